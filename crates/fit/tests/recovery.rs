@@ -135,7 +135,9 @@ fn what_data_do_not_determine_is_named() {
     // Young's modulus along the fibres, the product of both, is all that stresses along them determine.
     assert_eq!(
         found.warnings,
-        ["youngs_modulus and fibre_ratio are correlated (-1.000): the data determine a combination of both better than each"]
+        [
+            "youngs_modulus and fibre_ratio are correlated (-1.000): the data determine a combination of both better than each"
+        ]
     );
 }
 

@@ -182,6 +182,12 @@ impl Group {
         self.solver.set_effort(multiple);
     }
 
+    /// The longest step at rest, that of its stiffest body \[s\].
+    pub fn step_at_rest(&self, bodies: &[Body]) -> f64 {
+        let steps = self.members.iter().map(|of| bodies[of.body].stable_step);
+        steps.fold(f64::INFINITY, f64::min)
+    }
+
     /// The longest step as `state` is stretched before the step of `h` from `time`, if it is time to look; `allowed` are the longest
     /// steps of all bodies of the scene \[s\].
     pub fn longest_step(

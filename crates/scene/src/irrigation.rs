@@ -3,6 +3,7 @@
 use crate::body::Body;
 use crate::jet::Jet;
 use crate::lumen::Section;
+use microsim_geometry::Aabb;
 use microsim_tissue::PressedTriangle;
 use nalgebra::Vector3;
 
@@ -17,7 +18,12 @@ pub(crate) struct Irrigation {
 impl Irrigation {
     /// Adds what jets press on a body at these positions of its nodes \[m\], the first of which is node `first` of the group.
     pub fn add(&mut self, jets: &[Jet], body: &Body, positions: &[Vector3<f64>], first: u32) {
-        for jet in jets {
+        if jets.is_empty() {
+            return;
+        }
+        // Triangles have their middles in it, and lumens what they surround.
+        let bounds = Aabb::of(positions);
+        for jet in jets.iter().filter(|jet| jet.bounds().overlaps(&bounds)) {
             match &body.lumen {
                 Some(lumen) if lumen.holds(&jet.tip, positions) => {
                     lumen.pressures(&jet.tip, jet.pressure, positions, &mut self.sections);

@@ -6,6 +6,7 @@
 //! judgement, smooth and with an end, for a spray whose spread nobody measured. What is not here: fluid that splashes or runs off, the
 //! friction of what flows along a surface, one body in the shadow of another one.
 
+use microsim_geometry::Aabb;
 use nalgebra::Vector3;
 
 /// A jet in the world.
@@ -24,6 +25,11 @@ pub(crate) struct Jet {
 }
 
 impl Jet {
+    /// A box around all that it reaches.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::of(&[self.tip, self.tip + self.direction * self.reach]).inflated(self.radius)
+    }
+
     /// How far the first of these triangles is along its axis \[m\]: the nearest that faces it and that the axis goes through.
     pub fn stop(&self, triangles: &[[u32; 3]], positions: &[Vector3<f64>]) -> f64 {
         let hits = triangles.iter().filter_map(|triangle| {
@@ -88,6 +94,36 @@ mod tests {
             pressure: 8.0,
             radius: 0.5,
             reach: 4.0,
+        }
+    }
+
+    /// Nothing outside the box is pressed on: places all around the jet, also one that flows askew.
+    #[test]
+    fn all_that_a_jet_reaches_is_in_its_box() {
+        let askew = Jet {
+            direction: Vector3::new(2.0, -1.0, 2.0) / 3.0,
+            ..jet()
+        };
+        for jet in [jet(), askew] {
+            let mut reached = [0, 0];
+            for index in 0..40 * 40 * 40 {
+                let at = [index % 40, index / 40 % 40, index / 1600];
+                let from = Vector3::from(at.map(|k| 0.25 * f64::from(k) - 4.9));
+                // Small, and facing the jet.
+                let one = jet.direction.cross(&Vector3::y()).normalize() * 1e-6;
+                let two = one.cross(&jet.direction);
+                let middle = jet.tip + from;
+                let corners = [middle - one - two, middle + one, middle + two];
+                let is_reached = jet.pressure_on(corners, f64::INFINITY) > 0.0;
+                let is_inside = jet.bounds().contains(&middle);
+                assert!(is_inside || !is_reached, "{from}");
+                reached[usize::from(is_reached)] += 1;
+            }
+            // A cylinder of 0.5 by 4, in cubes of 0.25.
+            assert!(
+                reached[0] > 0 && (100..300).contains(&reached[1]),
+                "{reached:?}"
+            );
         }
     }
 

@@ -146,8 +146,13 @@ impl Lumen {
         sections: &mut Vec<Section>,
     ) {
         self.measure(positions, sections);
-        for (section, rest) in sections.iter_mut().zip(&self.areas) {
-            let area = section.area.max(FLAT * rest);
+        let rest = self.areas.iter().zip(&self.open);
+        for (section, (rest, open)) in sections.iter_mut().zip(rest) {
+            // What has no closed wall has no cross-section to measure.
+            let area = match open {
+                true => *rest,
+                false => section.area.max(FLAT * rest),
+            };
             section.resistance = section.length / (area * area);
         }
         let distance = |section: &Section| (section.centre - point).norm_squared();
@@ -157,13 +162,16 @@ impl Lumen {
             true => next,
             false => best,
         };
-        let source = (0..sections.len()).fold(0, nearest);
+        let walled = (0..sections.len()).filter(|&index| sections[index].wall > 0.0);
+        let Some(source) = walled.reduce(nearest) else {
+            return;
+        };
         sections[source].pressure = pressure;
         self.fall(source, source + 1..sections.len(), sections);
         self.fall(source, (0..source).rev(), sections);
     }
 
-    /// Lets the pressure fall from the section `source` over others, up to the first that is open.
+    /// Lets the pressure fall from the section `source` over others, up to where the first that is open begins: there the fluid leaves.
     fn fall(
         &self,
         source: usize,
@@ -171,17 +179,11 @@ impl Lumen {
         sections: &mut [Section],
     ) {
         let pressure = sections[source].pressure;
-        // From the middle of the source to the middle of an open section, or through the last one.
-        let mut whole = 0.5 * sections[source].resistance;
-        for section in others.clone() {
-            if self.open[section] {
-                whole += 0.5 * sections[section].resistance;
-                break;
-            }
-            whole += sections[section].resistance;
-        }
+        let closed = others.take_while(|&section| !self.open[section]);
         let mut passed = 0.5 * sections[source].resistance;
-        for section in others {
+        let resistances = closed.clone().map(|section| sections[section].resistance);
+        let whole = resistances.fold(passed, |sum, resistance| sum + resistance);
+        for section in closed {
             let half = 0.5 * sections[section].resistance;
             passed += half;
             sections[section].pressure = pressure * (1.0 - passed / whole).max(0.0);
@@ -231,14 +233,20 @@ impl Lumen {
         }
     }
 
-    /// Direction and length of a section, from the centres of those beside it.
+    /// Direction and length of a section, from the centres of those beside it. A section that is open has those at rest, and nothing is measured
+    /// across it: there its ends may be far apart.
     fn along(&self, index: usize, sections: &[Section]) -> (Vector3<f64>, f64) {
-        let (first, last) = (index.saturating_sub(1), (index + 1).min(sections.len() - 1));
+        if self.open[index] {
+            return (self.axis.into_inner(), self.length);
+        }
+        let (before, after) = (index.saturating_sub(1), (index + 1).min(sections.len() - 1));
+        let first = if self.open[before] { index } else { before };
+        let last = if self.open[after] { index } else { after };
         let apart = sections[last].centre - sections[first].centre;
         let length = apart.norm() / (last - first).max(1) as f64;
         match length > 0.0 {
             true => (apart.normalize(), length),
-            // The only one, or neighbours without a wall.
+            // The only one, or between two that are open.
             false => (self.axis.into_inner(), self.length),
         }
     }

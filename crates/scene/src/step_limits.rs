@@ -22,17 +22,14 @@ impl Scene {
         let Divergence::Stiffened { longest_step_s } = failure.what else {
             return false;
         };
-        let is_member = |group: &&Group| group.members.iter().any(|of| of.body == failure.body);
-        let at_rest = self.bodies[failure.body].stable_step;
-        if StretchGuard::is_hopeless(longest_step_s, at_rest) {
+        let is_its = |group: &&Group| group.members.iter().any(|of| of.body == failure.body);
+        let Some(group) = self.groups.iter().find(is_its) else {
+            return false;
+        };
+        if StretchGuard::is_hopeless(longest_step_s, group.step_at_rest(&self.bodies)) {
             return false;
         }
-        for member in self
-            .groups
-            .iter()
-            .filter(is_member)
-            .flat_map(|group| &group.members)
-        {
+        for member in &group.members {
             let now = &mut self.state.stable_steps[member.body];
             *now = now.min(longest_step_s);
         }
@@ -41,14 +38,16 @@ impl Scene {
 
     /// Lets the steps of a group grow again that has softened, to at most `longest` \[s\].
     pub(crate) fn lengthen_steps(&mut self, group: usize, longest: f64) {
+        let at_rest = self.groups[group].step_at_rest(&self.bodies);
         for member in &self.groups[group].members {
             let (body, now) = (
                 &self.bodies[member.body],
                 &mut self.state.stable_steps[member.body],
             );
-            if let Some(grown) = StretchGuard::grown(*now, longest, body.stable_step) {
+            if let Some(grown) = StretchGuard::grown(*now, longest, at_rest) {
                 let state = &self.state.bodies[member.body];
-                *now = stable_step(&self.method, &body.model, state).min(grown);
+                let own = stable_step(&self.method, &body.model, state);
+                *now = own.min(grown).min(body.stable_step);
             }
         }
     }

@@ -40,7 +40,8 @@ pub(crate) struct StretchGuard {
 }
 
 impl StretchGuard {
-    /// For a model; `None` for a method without a limit, and where the working stretch does not make a stable step too long.
+    /// For a model; `None` for a method without a limit, and where the working stretch, and the plastic flow that may come to it, do not make a
+    /// stable step too long.
     pub fn new(method: &Method, model: &TissueModel) -> Option<Self> {
         if !method.is_explicit() {
             return None;
@@ -51,7 +52,9 @@ impl StretchGuard {
             gershgorin_bound_at(model, &state, Part::Stiffness)
         });
         let grown = grown.fold(bound, f64::max);
-        let is_covered = grown <= TOO_LONG * TOO_LONG * bound;
+        let thinning = model.sets().iter().map(|set| set.most_thinning());
+        let thinning = thinning.fold(1.0, f64::max);
+        let is_covered = grown * thinning * thinning <= TOO_LONG * TOO_LONG * bound;
         (!is_covered).then(|| Self {
             method: *method,
             bound,
@@ -81,12 +84,13 @@ impl StretchGuard {
         h > TOO_LONG * longest
     }
 
-    /// To what steps of `now` grow again where `longest` is the recommended one, and `at_rest` that at rest \[s\].
+    /// To what the step `now` of a body may grow again where `longest` is the recommended one of its group, and `at_rest` that at rest \[s\];
+    /// infinite where stretch bounds it no longer.
     pub fn grown(now: f64, longest: f64, at_rest: f64) -> Option<f64> {
         if now >= at_rest {
             None
         } else if longest >= AT_REST * at_rest {
-            Some(at_rest)
+            Some(f64::INFINITY)
         } else {
             (now < TOO_SHORT * longest).then_some(longest)
         }

@@ -249,8 +249,11 @@ impl Scene {
                         start.stable_steps.clone_from(&self.state.stable_steps);
                         steps = steps.max(self.required_steps(tick_s));
                         stiffened = true;
-                        repetitions += 1;
-                        continue;
+                        // Tools that stand have to be computed in any case.
+                        if index >= follows || budget.allows(count_of(index, steps)) {
+                            repetitions += 1;
+                            continue;
+                        }
                     }
                     failure = Some((found, tick_s / f64::from(count)));
                     if !self.containment && !found.what.is_unconverged() {

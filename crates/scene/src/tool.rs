@@ -290,7 +290,10 @@ fn is_valid(of: &IrrigationSpec) -> bool {
     let is_finite = numbers.all(|c| c.is_finite()) && of.pressure.is_finite();
     let is_positive = |value: f64| value.is_finite() && value > 0.0;
     let has_size = is_positive(of.radius) && is_positive(of.reach);
-    is_finite && has_size && of.pressure >= 0.0 && of.direction != [0.0; 3]
+    // The squares of smaller and of larger ones have no sum.
+    let length = Vector3::from(of.direction).norm();
+    let has_direction = length > 1e-6 && length.is_finite();
+    is_finite && has_size && of.pressure >= 0.0 && has_direction
 }
 
 /// Σ (l α)² over the jaws \[m²\], with the distance l of the tip from the hinge and the turn α per unit of opening: times the stiffness of a tip it is

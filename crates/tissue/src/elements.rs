@@ -183,6 +183,12 @@ pub trait Elements: Any + Debug + Send + Sync {
         false
     }
 
+    /// The most by which plastic flow may make an element thinner than at rest, 1 or more: by this factor its gradients grow, by the
+    /// square of it its stiffness, though [`flow`](Self::flow) does not report that.
+    fn most_thinning(&self) -> f64 {
+        1.0
+    }
+
     /// Whether these can be internal variables of this set: bytes that were saved may be those of another one.
     fn admits(&self, _internal: &[f64]) -> bool {
         true

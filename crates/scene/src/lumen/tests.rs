@@ -1,4 +1,4 @@
-//! Lumens of tubes whose areas are known: at rest, drawn in, closed.
+//! Lumens of tubes whose areas are known: at rest, drawn in, closed, opened by a cut.
 
 use super::*;
 use microsim_mesh::{Arc, CellSplit, Layer, Tube, TubeSide};
@@ -132,4 +132,55 @@ fn a_closed_section_bears_the_whole_pressure() {
     let found = pressures(&lumen, middle, &narrow);
     let drops = [found[2] - found[3], found[7] - found[8]];
     assert!((drops[1] / drops[0] - 16.0).abs() < 1e-9, "{drops:?}");
+}
+
+/// Where the wall is open the fluid leaves: from the middle of section 2 the pressure falls evenly to the beginning of the first open section,
+/// however far apart what is behind it has drawn back, and behind it there is none.
+#[test]
+fn pressure_falls_evenly_to_where_a_cut_has_opened_the_wall() {
+    let (mesh, mut lumen) = vessel();
+    let source = -0.5 * LENGTH + 2.5e-3;
+    let wall: Vec<[u32; 3]> = lumen.triangles().iter().map(|of| of.nodes).collect();
+    let drawn_back: Vec<Vector3<f64>> = mesh
+        .positions
+        .iter()
+        .map(|p| match p.y > 0.5e-3 {
+            true => p + Vector3::y() * 4e-3,
+            false => *p,
+        })
+        .collect();
+    // The ring between sections 5 and 6, and the wall of section 6 as a whole, from 1 to 2 mm.
+    let ring: Vec<u32> = (0..mesh.positions.len() as u32)
+        .filter(|&node| (mesh.positions[node as usize].y - 1e-3).abs() < 1e-6)
+        .collect();
+    let middle = |of: &[u32; 3]| of.map(|n| mesh.positions[n as usize].y).iter().sum::<f64>() / 3.0;
+    let mut left = wall.clone();
+    left.retain(|of| !(1e-3..2e-3).contains(&middle(of)));
+    for (wall, opened, first) in [(&wall, &ring[..], 5), (&left, &[][..], 6)] {
+        lumen.update(&mesh, wall, opened);
+        let positions = match first {
+            5 => [&mesh.positions, &drawn_back],
+            _ => [&mesh.positions, &mesh.positions],
+        };
+        for positions in positions {
+            let found = pressures(&lumen, source, positions);
+            for (k, found) in found.iter().enumerate() {
+                let expected = match k {
+                    0..=2 => (k as f64 + 0.5) / 2.5,
+                    _ => ((f64::from(first) - k as f64 - 0.5) / (f64::from(first) - 2.5)).max(0.0),
+                };
+                assert!(
+                    (found - expected).abs() < 1e-12,
+                    "{first} {k}: {found} {expected}"
+                );
+            }
+        }
+    }
+    // From behind the cut, where the world's origin is as near as can be to a section without a wall.
+    lumen.update(&mesh, &left, &[]);
+    let found = pressures(&lumen, 2.5e-3, &mesh.positions);
+    assert!(
+        found[..7].iter().all(|p| *p == 0.0) && found[7] > 0.8,
+        "{found:?}"
+    );
 }

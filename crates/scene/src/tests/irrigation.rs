@@ -98,6 +98,62 @@ fn a_jet_presses_with_the_integral_of_its_pressure() {
     }
 }
 
+/// A real cut through a section of the lumen: the pieces are then put apart, at rest but for a gap of 2 mm. From the middle of section 2 the
+/// pressure falls evenly to the beginning of section 5, which is open, and there is none in the other piece.
+#[test]
+fn fluid_leaves_where_a_blade_has_divided_the_vessel() {
+    let mut spec = vessel(Method::StoermerVerlet);
+    let edge = CapsuleSpec {
+        lonor: true,
+        ..CapsuleSpec::new([0.0, -3e-3, 0.0], [0.0, 3e-3, 0.0], 0.05e-3)
+    };
+    spec.tools[0] = ToolSpec {
+        name: "blade".into(),
+        capsules: vec![edge],
+        irrigation: None,
+        ..irrigator()
+    };
+    spec.cuts = vec![CutSpec {
+        body: "vessel".into(),
+        tool: "blade".into(),
+    }];
+    let mut scene = Scene::new(&spec).unwrap();
+    let (tick, steps) = (1e-3, scene.required_steps(1e-3));
+    let place = |k: i32| Pose {
+        position: Vector3::new(2e-3 - 0.1e-3 * f64::from(k), 0.0, 1.5e-3),
+        ..Pose::identity()
+    };
+    for k in 0..40 {
+        let motion = ToolMotion {
+            from: place(k),
+            to: place(k + 1),
+            ..still([0.0; 3], 0.0)
+        };
+        scene.tick(&[motion], tick, steps, &Serial).unwrap();
+    }
+    let body = &scene.bodies[0];
+    assert_eq!(body.pieces.count(), 2);
+    let held = body.pieces.of_nodes[body.model.clamped()[0] as usize];
+    let nodes = body.mesh.positions.iter().zip(&body.pieces.of_nodes);
+    let apart = |(place, piece): (&Vector3<f64>, &u32)| match *piece == held {
+        true => *place,
+        false => place + Vector3::z() * 2e-3,
+    };
+    let apart: Vec<Vector3<f64>> = nodes.map(apart).collect();
+    let (lumen, mut sections) = (body.lumen.as_ref().unwrap(), Vec::new());
+    let source = Vector3::new(0.0, 0.0, -1.5e-3);
+    assert!(lumen.holds(&source, &apart));
+    lumen.pressures(&source, 1.0, &apart, &mut sections);
+    for (k, section) in sections.iter().enumerate() {
+        let expected = match k {
+            0..=2 => (k as f64 + 0.5) / 2.5,
+            _ => ((4.5 - k as f64) / 2.5).max(0.0),
+        };
+        let error = (section.pressure - expected).abs();
+        assert!(error < 1e-9, "{k}: {section:?} {expected}");
+    }
+}
+
 /// A vessel along z, its lower end held, with the opening in the middle of its lumen.
 fn vessel(method: Method) -> SceneSpec {
     let tube = Tube {
@@ -208,6 +264,9 @@ fn fluid_without_meaning_is_refused() {
     refused(&|of| of.radius = 0.0);
     refused(&|of| of.reach = f64::NAN);
     refused(&|of| of.direction = [0.0; 3]);
+    // Squares that are 0, or infinite.
+    refused(&|of| of.direction = [0.0, 1e-200, 0.0]);
+    refused(&|of| of.direction = [0.0, 1e200, 0.0]);
     refused(&|of| of.position[1] = f64::INFINITY);
     let mut spec = vessel(Method::StoermerVerlet);
     spec.bodies[0].lumen.as_mut().unwrap().sections = 0;

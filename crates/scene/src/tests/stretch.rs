@@ -4,6 +4,7 @@ use super::*;
 use crate::body::limited_step;
 use crate::{Runner, scene_spec};
 use microsim_settings as settings;
+use microsim_tissue::elements::ContinuumPlasticity;
 use microsim_tissue::law::LawName;
 use microsim_tissue::stability::WORKING_STRETCH;
 use microsim_tissue::{ContinuumConstants, Discretisation};
@@ -202,4 +203,118 @@ fn what_a_scene_prescribes_beyond_it_is_the_working_stretch() {
             body.stretched_step(body.working_stretch())
         );
     }
+}
+
+/// Beside a body of a ten-thousandth of its modulus, whose steps at rest are about 100 times as long, the bar stiffens as it does alone; and both have
+/// their steps at rest again when it is let go.
+#[test]
+fn a_soft_body_beside_what_stiffens_has_its_steps_back() {
+    let method = Method::StoermerVerlet;
+    let mut spec = bar(method);
+    let mut soft = BodySpec {
+        origin: [0.0, 10.0 * SIDE, 0.0],
+        clamps: Vec::new(),
+        ..spec.bodies[0].clone()
+    };
+    soft.name = "soft".into();
+    for place in &mut soft.mesh.positions {
+        place.y += 10.0 * SIDE;
+    }
+    let Behaviour::Continuum(constants) = &mut soft.materials[0].1.behaviour else {
+        panic!("a continuum");
+    };
+    constants.young = 1e-4 * YOUNG;
+    spec.bodies.insert(0, soft);
+    spec.contacts = vec![ContactSpec {
+        body: "soft".into(),
+        with: PartnerSpec::Body {
+            name: "bar".into(),
+            end_planes: false,
+        },
+        friction: 0.0,
+        force_limit: f64::INFINITY,
+    }];
+    let mut scene = Scene::new(&spec).unwrap();
+    let at_rest = [0, 1].map(|body| scene.body(body).stable_step());
+    assert!(at_rest[0] > 64.0 * at_rest[1], "{at_rest:?}");
+    let tick = 1e-3;
+    let steps = scene.required_steps(tick);
+    let mut stiffened = false;
+    while scene.time() < 3.0 * DRAWN - 0.5 * tick {
+        stiffened |= scene.tick(&[], tick, steps, &Serial).unwrap().stiffened;
+    }
+    assert!(stiffened);
+    assert_eq!([0, 1].map(|body| scene.body(body).stable_step()), at_rest);
+    assert!(!scene.has_stiffened());
+}
+
+/// A tick of which the first try takes all of the budget but less than a repetition needs is not repeated in shorter steps: it is computed with
+/// tools that stand, as any that fails.
+#[test]
+fn a_tick_is_not_repeated_in_shorter_steps_beyond_the_budget() {
+    let method = Method::StoermerVerlet;
+    let tick = 1e-3;
+    let mut spec = bar(method);
+    spec.containment = true;
+    let run = |spec: &SceneSpec| {
+        let mut scene = Scene::new(spec).unwrap();
+        let steps = scene.required_steps(tick);
+        let mut found = Vec::new();
+        while scene.time() < DRAWN - 0.5 * tick {
+            let before = scene.body(0).stable_step();
+            let report = scene.tick(&[], tick, steps, &Serial).unwrap();
+            if scene.body(0).stable_step() < before {
+                found.push((report.stands, report.over_budget));
+            }
+        }
+        let least = scene.groups[0].least_work(&scene.bodies, 0);
+        (found, least * f64::from(steps))
+    };
+    let (free, least) = run(&spec);
+    assert!(
+        !free.is_empty() && free.iter().all(|of| *of == (false, false)),
+        "{free:?}"
+    );
+    // A step that is too long is so by a third at least.
+    spec.budget = Some(1.2 * least / tick);
+    let (bound, _) = run(&spec);
+    assert_eq!(bound[0], (true, true), "{bound:?}");
+}
+
+/// Drawn out to four times its length at a yield strain that grows as fast as the flow, the bar is thinner by the root of what has flowed, and
+/// nothing in it is stiffer than at rest: its steps are below 0.8 of the limit of the drawn shape all the same, at each look.
+#[test]
+fn steps_become_shorter_where_flow_thins_tissue() {
+    let method = Method::StoermerVerlet;
+    let mut spec = bar(method);
+    let most = 4.0;
+    let motion = spec.bodies[0].clamps[1].motion.as_mut().unwrap();
+    for key in &mut motion.keys[..2] {
+        key.shift[0] = (most - 1.0) * LENGTH;
+    }
+    let Behaviour::Continuum(constants) = &mut spec.bodies[0].materials[0].1.behaviour else {
+        panic!("a continuum");
+    };
+    constants.law = LawName::StableNeoHookean.into();
+    constants.plasticity = Some(ContinuumPlasticity {
+        yield_strain: 0.02,
+        yield_growth: 0.2,
+        creep_rate: None,
+        max_strain: 1.4,
+        hardening: 0.0,
+        max_stiffening: 1.0,
+    });
+    let mut scene = Scene::new(&spec).unwrap();
+    let tick = 1e-3;
+    let steps = scene.required_steps(tick);
+    let at_rest = scene.body(0).stable_step();
+    let mut stiffened = false;
+    while scene.time() < 1.5 * DRAWN - 0.5 * tick {
+        stiffened |= scene.tick(&[], tick, steps, &Serial).unwrap().stiffened;
+        let longest = limited_step(&method, &scene.bodies[0].model, &scene.state.bodies[0]);
+        let now = scene.body(0).stable_step();
+        // From one look to the next, of 32 steps, the bar is drawn out by at most 6.6 % of its length at rest: its limit falls by 3.3 %.
+        assert!(now < 0.85 / 0.6 * longest, "{now} {longest} {at_rest}");
+    }
+    assert!(stiffened && scene.body(0).stable_step() < 0.75 * at_rest);
 }

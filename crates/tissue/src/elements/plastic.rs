@@ -202,8 +202,8 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
         Arc::new(shifted)
     }
 
-    /// Stiffer counts what the factor of the stiffness has grown. That what has flowed is thinner and longer changes the stiffness as the same
-    /// deformation without flow does, which a step's safety factor covers.
+    /// Stiffer counts what the factor of the stiffness has grown. What has flowed is also thinner: how far is a matter of its shape, which is looked
+    /// at as that of tissue that stretches ([`most_thinning`](Elements::most_thinning)).
     fn flow(&self, positions: &[Vector3<f64>], internal: &mut [f64], h: f64) -> bool {
         let flow = self.plasticity.over(h);
         let mut stiffer = false;
@@ -221,6 +221,11 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
 
     fn admits(&self, internal: &[f64]) -> bool {
         (0..self.count()).all(|element| self.state(internal, element).is_possible())
+    }
+
+    /// A plastic strain p is at most a compression to e^−p along one axis.
+    fn most_thinning(&self) -> f64 {
+        libm::exp(self.plasticity.max_strain)
     }
 
     fn dissipated(&self, internal: &[f64]) -> f64 {
