@@ -525,7 +525,7 @@ impl Elements for Sliding {
             let tet = self.layer.faces[slide.face as usize].tet;
             slide.stencil.nodes[1..].copy_from_slice(&tet);
             let [b, c, d] = place.weights;
-            // As `coordinates` rounds them: a tie has the same bits however it came here.
+            // Rounded as the coordinates of a tie that has never moved: the same place, the same bits.
             slide.stencil.weights = [1.0, -(1.0 - b - c - d), -b, -c, -d];
         }
     }
