@@ -5,8 +5,8 @@
 
 use crate::colour::Colour;
 use crate::kinds::{
-    LENGTH_MAX, direction, identifier, list, own_defaults, point, quantity, relative_path, size,
-    size3, time, vector, vector3,
+    LENGTH_MAX, axial_stretch, direction, identifier, list, opening_angle, own_defaults, point,
+    quantity, relative_path, size, size3, time, vector, vector3,
 };
 use crate::material::Material;
 use crate::table::{choices, table};
@@ -30,7 +30,7 @@ table! {
         /// Of a tube: name of a file in config/vessels, without its extension. It gives what the body does not state: `axial_stretch`,
         /// `inner_radius`, `toughness`, `thickness`, `opening_angle` and `region` of each layer, whose number and order are those of the
         /// vessel, and the material of each region, with `selective` discretisation. A material with that region and without a law changes
-        /// single values.
+        /// single values. With an `axial_stretch` or `transmural_pressure` of its own the body states `inner_radius` and each `thickness`.
         vessel: Option<String> = identifier(),
         /// Of a tube \[m\]: radius of the lumen.
         inner_radius: Option<f64> = size(),
@@ -50,7 +50,7 @@ table! {
         /// Of a tube \[rad\]: angle of its sector; closed around if left out.
         arc: Option<f64> = quantity(Unit::Angle, 0.1_f64.to_radians(), 359.9_f64.to_radians()),
         /// Of a tube: its length over that of its natural state, in which it has no stress.
-        axial_stretch: f64 = quantity(Unit::Ratio, 0.5, 3.0) => 1.0,
+        axial_stretch: f64 = axial_stretch() => 1.0,
         /// Of a tube \[Pa\]: pressure inside less that outside with which it is in equilibrium at the start; a load on its inner surface bears it.
         transmural_pressure: f64 = quantity(Unit::Pressure, -1e5, 1e6) => 0.0,
         /// Of a block or tube: how cells are cut, `kuhn` (all alike, if left out) or `mirrored`.
@@ -144,7 +144,7 @@ table! {
         /// Region of its elements.
         region: u32 => 0,
         /// What is missing of a full circle when the layer is cut out and slit, and has no stress \[rad\].
-        opening_angle: f64 = quantity(Unit::Angle, -300_f64.to_radians(), 340_f64.to_radians()) => 0.0,
+        opening_angle: f64 = opening_angle() => 0.0,
     }
 }
 

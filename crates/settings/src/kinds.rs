@@ -29,6 +29,16 @@ pub(crate) fn time(min: f64, max: f64) -> Kind {
     quantity(Unit::Time, min, max)
 }
 
+/// Length of a tube over that of its natural state.
+pub(crate) fn axial_stretch() -> Kind {
+    quantity(Unit::Ratio, 0.5, 3.0)
+}
+
+/// What is missing of a full circle in the natural state of a layer \[rad\]; negative where the layer is too wide.
+pub(crate) fn opening_angle() -> Kind {
+    quantity(Unit::Angle, -300_f64.to_radians(), 340_f64.to_radians())
+}
+
 /// A size \[m\].
 pub(crate) fn size() -> Kind {
     quantity(Unit::Length, LENGTH_MIN, LENGTH_MAX)

@@ -7,7 +7,7 @@ use crate::check::{items, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::files::schema_of;
-use crate::kinds::{dependent, identifier, quantity, size};
+use crate::kinds::{axial_stretch, dependent, identifier, opening_angle, quantity, size};
 use crate::material::Material;
 use crate::schema::{Form, Kind};
 use crate::table::{Setting, Table, choices, table};
@@ -24,8 +24,8 @@ table! {
         doc: String,
         /// Its name for people.
         title: LocalText,
-        /// Length where it lies over that of an excised piece without load.
-        axial_stretch: VesselValue = valued(quantity(Unit::Ratio, 1.0, 3.0)),
+        /// Its length where it lies over that of its natural state, in which each layer is cut out, slit, and has no stress.
+        axial_stretch: VesselValue = valued(axial_stretch()),
         /// Radius of the lumen where it lies: stretched along its axis, without pressure inside, as between two clamps \[m\].
         inner_radius: VesselValue = valued(size()),
         /// Force per length of a perfectly sharp edge that cuts it (work per area) \[N/m\].
@@ -42,8 +42,8 @@ table! {
         name: String = identifier(),
         /// Thickness where it lies \[m\].
         thickness: VesselValue = valued(size()),
-        /// What is missing of a full circle when the layer is cut out and slit \[rad\]; twice the opening angle of Fung.
-        opening_angle: VesselValue = valued(quantity(Unit::Angle, 0.0, 340_f64.to_radians())),
+        /// What is missing of a full circle when the layer is cut out and slit, and has no stress \[rad\]; twice the opening angle of Fung.
+        opening_angle: VesselValue = valued(opening_angle()),
         /// The law of its material, that of a continuum.
         law: LawName,
         /// Angle of the fibres to the circles around the axis \[rad\]; only and always of a law with fibres.

@@ -3,6 +3,9 @@
 //! What such a body, a tube, does not state itself comes from its vessel: axial stretch, radius of the lumen, toughness, thickness, opening
 //! angle, region and material of each layer. It is put into the tree of the file before that is read by its schema, so it is held to the
 //! same rules, and everything behind the settings sees a body that states all of it.
+//!
+//! Radius and thicknesses of a vessel are those at its axial stretch without pressure. A body with another stretch or a pressure states
+//! sizes of its own; they are not computed here.
 
 use crate::document::{Reading, sorted};
 use crate::error::{ConfigError, ConfigErrors, KeyPath, Position};
@@ -32,8 +35,9 @@ pub(crate) fn read_bodies(
             .map_err(|error| ConfigErrors(vec![error]))
     };
     apply(&mut root, true)?;
-    let errors = apply_vessels(&mut root, file, vessels);
+    let mut errors = apply_vessels(&mut root, file, vessels);
     apply(&mut root, false)?;
+    errors.extend(sizes_of_another_state(&root, file));
     let reading = Reading::of_tree(root, text, file, schema, overrides);
     match errors.is_empty() {
         true => Ok(reading),
@@ -80,6 +84,53 @@ fn apply_vessels(root: &mut Node, file: &str, folder: &Path) -> Vec<ConfigError>
                 format!("`{name}`, which cannot be used ({complaints})"),
                 "the name of a vessel of config/vessels".to_owned(),
             )),
+        }
+    }
+    errors
+}
+
+/// Complains about bodies with a stretch or a pressure of their own and sizes of their vessel, which are those in another state.
+fn sizes_of_another_state(root: &Node, file: &str) -> Vec<ConfigError> {
+    let Some(Item::List(bodies)) = root.item_of("body").map(|node| &node.item) else {
+        return Vec::new();
+    };
+    let mut errors = Vec::new();
+    for (b, body) in bodies.iter().enumerate() {
+        let Some(vessel) = body.item_of("vessel") else {
+            continue;
+        };
+        // What the vessel brought stands where it is named.
+        let at = vessel.at;
+        let from_vessel = |node: &Node, key: &str| node.item_of(key).is_some_and(|of| of.at == at);
+        let mut sizes = Vec::new();
+        if from_vessel(body, "inner_radius") {
+            sizes.push("`inner_radius`".to_owned());
+        }
+        if let Some(Item::List(layers)) = body.item_of("layer").map(|node| &node.item) {
+            let layers = layers.iter().enumerate();
+            let of_vessel = layers.filter(|(_, layer)| from_vessel(layer, "thickness"));
+            sizes.extend(of_vessel.map(|(l, _)| format!("`layer[{l}].thickness`")));
+        }
+        if sizes.is_empty() {
+            continue;
+        }
+        for key in ["axial_stretch", "transmural_pressure"] {
+            // A stretch of the vessel that an override took out is 1 from then on, which is another one too.
+            let vessels = match key {
+                "axial_stretch" => from_vessel(body, key),
+                _ => body.item_of(key).is_none(),
+            };
+            if vessels {
+                continue;
+            }
+            let state = body.item_of(key).map_or(at, |of| of.at);
+            errors.push(ConfigError {
+                file: file.to_owned(),
+                position: Some(state),
+                key: KeyPath::root().key("body").at(b).key(key),
+                found: "a state of the body's own beside sizes of its vessel, which are those at the vessel's `axial_stretch` without pressure".to_owned(),
+                expected: format!("the sizes in that state as well: {}", sizes.join(", ")),
+            });
         }
     }
     errors

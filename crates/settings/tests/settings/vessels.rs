@@ -95,12 +95,13 @@ fn what_a_body_states_itself_holds() {
     let tree = tree();
     let text = SCENE.replace(
         "layer = [{ cells = 2 }, { cells = 1 }]",
-        "axial_stretch = 1\nlayer = [{ cells = 2, thickness = '90 um', region = 5 }, { cells = 1, opening_angle = '10 deg' }]\n\
+        "axial_stretch = 1\ninner_radius = '0.6 mm'\ntransmural_pressure = '2 kPa'\n\
+         layer = [{ cells = 2, thickness = '90 um', region = 5 }, { cells = 1, thickness = '45 um', opening_angle = '10 deg' }]\n\
          material = [{ region = 5, youngs_modulus = '12 kPa', viscosity = '3 Pa s', discretisation = 'tetrahedra' },\n\
          { region = 1, density = 1000, law = 'corotational', youngs_modulus = '2 kPa', poisson_ratio = 0.4 }]",
     );
     let body = read(tree.path(), &text, &[]).expect("the scene is right");
-    assert_eq!((body.axial_stretch, body.inner_radius), (1.0, Some(0.0005)));
+    assert_eq!((body.axial_stretch, body.inner_radius), (1.0, Some(0.0006)));
     assert_eq!((body.layer[0].thickness, body.layer[0].region), (90e-6, 5));
     assert_eq!(body.layer[1].opening_angle, 10_f64.to_radians());
     let [media, adventitia] = body.material[..] else {
@@ -194,6 +195,67 @@ fn a_vessel_that_cannot_be_used_is_named_with_its_place() {
             "{errors}\n{expected}"
         );
     }
+}
+
+/// Another stretch or a pressure makes another vessel of the same sizes: those are stated with it.
+#[test]
+fn a_state_of_its_own_needs_sizes_of_its_own() {
+    let tree = tree();
+    let file = tree.path().join("config/scenes/f.toml");
+    let found = "a state of the body's own beside sizes of its vessel, which are those at the vessel's `axial_stretch` without pressure";
+    let complaint = |place: &str, key: &str, sizes: &str| {
+        format!(
+            "{place}: key `body[0].{key}`: found {found}, expected the sizes in that state as well: {sizes}"
+        )
+    };
+    let of_file = |place: &str| format!("{}:{place}", file.display());
+    let all = "`inner_radius`, `layer[0].thickness`, `layer[1].thickness`";
+    let radius = "inner_radius = '0.6 mm'\n";
+    let thicknesses =
+        "layer = [{ cells = 2, thickness = '90 um' }, { cells = 1, thickness = '50 um' }]\n";
+    let (head, layers) = SCENE.split_at(SCENE.find("layer").expect("layers"));
+    for (text, set, expected) in [
+        (
+            format!("{head}transmural_pressure = '13 kPa'\n{layers}"),
+            &[][..],
+            complaint(&of_file("12:23"), "transmural_pressure", all),
+        ),
+        (
+            format!("{head}axial_stretch = 1.2\n{radius}{layers}"),
+            &[],
+            complaint(
+                &of_file("12:17"),
+                "axial_stretch",
+                "`layer[0].thickness`, `layer[1].thickness`",
+            ),
+        ),
+        (
+            format!("{head}axial_stretch = 1.2\n{thicknesses}"),
+            &[],
+            complaint(&of_file("12:17"), "axial_stretch", "`inner_radius`"),
+        ),
+        (
+            SCENE.to_owned(),
+            &["body.0.transmural_pressure=13kPa"],
+            complaint(
+                "--set body.0.transmural_pressure=13kPa",
+                "transmural_pressure",
+                all,
+            ),
+        ),
+        // Without the vessel's it is 1.
+        (
+            SCENE.to_owned(),
+            &["body.0.axial_stretch="],
+            complaint(&of_file("8:10"), "axial_stretch", all),
+        ),
+    ] {
+        let errors = read(tree.path(), &text, set).expect_err(&text);
+        assert_eq!(errors.to_string(), expected);
+    }
+    let text = format!("{head}transmural_pressure = '13 kPa'\n{radius}{thicknesses}");
+    let body = read(tree.path(), &text, &[]).expect("all of it is stated");
+    assert_eq!((body.transmural_pressure, body.axial_stretch), (13e3, 1.5));
 }
 
 #[test]
