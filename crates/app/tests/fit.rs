@@ -45,6 +45,9 @@ fn the_material_that_is_written_can_be_read() {
     );
     let read = microsim_settings::read_scene(&scene, "f.toml", &[]).expect("a scene");
     let material_read = read.settings.body[0].material[0];
+    // The assumed 0.49 of Poisson's ratio would lock.
+    let selective = Some(microsim_settings::Discretisation::Selective);
+    assert_eq!(material_read.discretisation, selective);
 
     let run = fit(&data, &[&law[..], &["--json"]].concat());
     let document: Value = serde_json::from_slice(&run.stdout).expect("JSON alone");

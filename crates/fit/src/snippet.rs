@@ -2,10 +2,14 @@
 
 use crate::constant::{ANGLE, rounded};
 use crate::estimate::{Determination, Estimate, Fit};
+use microsim_settings::Discretisation;
 use std::fmt::Write;
 
 /// Density of soft tissue \[kg/m³\]: stresses do not determine it.
 const DENSITY: f64 = 1060.0;
+
+/// Poisson's ratio from which on tetrahedra of one F each lock: they are too stiff wherever the volume hardly changes.
+const LOCKS: f64 = 0.4;
 
 /// The material, as TOML with a remark behind each value. Every number comes back to the last bit.
 pub fn material_toml(fit: &Fit) -> String {
@@ -22,6 +26,15 @@ pub fn material_toml(fit: &Fit) -> String {
         };
         // Writing to a text never fails.
         let _ = writeln!(text, "{assignment} # {}", remark(estimate));
+    }
+    let locks =
+        |estimate: &Estimate| estimate.constant.key == "poisson_ratio" && estimate.value >= LOCKS;
+    if fit.estimates.iter().any(locks) {
+        let name = Discretisation::Selective.name();
+        let _ = writeln!(
+            text,
+            "discretisation = \"{name}\" # tetrahedra alone lock where the volume hardly changes"
+        );
     }
     text
 }
