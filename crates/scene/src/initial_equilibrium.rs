@@ -1,7 +1,7 @@
 //! The equilibrium in which a body with residual stress begins.
 //!
-//! Prestretches come from an exact solution or a file; elements that are as coarse as those of a level are in equilibrium a little beside the
-//! places of their mesh. There they are put before the first tick, with clamps and loads as at time 0, without weight and contact: what
+//! Prestretches come from an exact solution, never from a file; elements that are as coarse as those of a level are in equilibrium a little
+//! beside the places of their mesh. There they are put before the first tick, with clamps and loads as at time 0, without weight and contact: what
 //! moves from then on is moved by what happens.
 
 use crate::drive::Drive;

@@ -47,6 +47,9 @@ const DIRECTION_ARRAYS: [&[&str]; FAMILIES] = [
 /// Our own names of the cell arrays of fibre directions, one for each family.
 pub(super) const DIRECTIONS: [&str; FAMILIES] = [DIRECTION_ARRAYS[0][0], DIRECTION_ARRAYS[1][0]];
 
+/// Our own name of the cell array of prestretches.
+pub(super) const PRESTRETCH: &str = "prestretch";
+
 /// Rank of a cell array of three components as the one that holds the fibre directions of a family, smaller is better; nothing if it
 /// does not.
 pub(super) fn direction_rank(name: &str, family: usize) -> Option<usize> {

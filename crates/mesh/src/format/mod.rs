@@ -11,7 +11,8 @@
 //!
 //! Lengths are taken as they stand: the caller knows the unit of its file. Physical groups, material numbers and
 //! attributes of elements become regions; a cell array of three components named `fibre_direction` (or `fiber`, `f0`, …; in Gmsh a view
-//! in `$ElementData`) becomes the fibre directions, one named `fibre_direction_2` those of a second family, as unit vectors. Every tetrahedron is turned positive; nothing else is repaired or judged here:
+//! in `$ElementData`) becomes the fibre directions, one named `fibre_direction_2` those of a second family, as unit vectors. Prestretches are written
+//! to `.vtu` alone, as the cell array `prestretch` of nine components, row by row, and never read: a mesh from a file has no residual state. Every tetrahedron is turned positive; nothing else is repaired or judged here:
 //! flat, duplicated or unconnected elements and unused nodes are the validity report's to find. What a file holds beyond
 //! that (triangles, hexahedra, point data) is left out, which the notes state; curved tetrahedra are refused. A damaged
 //! file is an error with its place, never a panic, and nothing is allocated beyond what the file can fill.

@@ -119,6 +119,26 @@ fn fibre_directions_keep_every_bit() {
     }
 }
 
+/// A prestretch stands row by row; as it leads to the rest positions it is not read back, and that is noted once.
+#[test]
+fn prestretches_are_written_and_their_loss_is_noted() {
+    let mut mesh = two_cells();
+    let prestretch = Matrix3::new(1.5, 0.25, 0.0, 0.125, 0.75, 0.0, 0.0, -0.5, 0.875);
+    mesh.prestretches = vec![prestretch; mesh.tets.len()];
+    let text = String::from_utf8(vtu(&mesh, VtuEncoding::Ascii)).unwrap();
+    let head = "<DataArray type=\"Float64\" Name=\"prestretch\" NumberOfComponents=\"9\" format=\"ascii\">\n";
+    let (_, values) = text.split_once(head).expect("the array");
+    let rows = "1.5 0.25 0.0 0.125 0.75 0.0 0.0 -0.5 0.875\n".repeat(12);
+    assert!(values.starts_with(&(rows + "</DataArray>")), "{values}");
+    for encoding in [VtuEncoding::Ascii, VtuEncoding::AppendedRaw] {
+        let read = import(MeshFormat::Vtu, &vtu(&mesh, encoding));
+        assert_same(&read.mesh, &two_cells());
+        let note =
+            "prestretches are left out: the elements have no stress in the places of the file";
+        assert_eq!(read.notes, [note]);
+    }
+}
+
 /// Names of other programs, any length of the vectors, elements without one, views of other quantities.
 #[test]
 fn fibre_directions_of_others_become_unit_vectors() {

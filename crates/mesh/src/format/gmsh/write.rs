@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use std::fmt::Write;
 
 /// `mesh` as a version 2.2 file; the physical group of an element is its region. Gmsh itself takes groups up to 2³¹ − 1.
+/// Prestretches are not written.
 ///
 /// ```
 /// use microsim_mesh::TetMesh;

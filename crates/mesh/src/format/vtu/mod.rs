@@ -8,7 +8,8 @@ pub use write::{Field, FieldValues, VtuEncoding, write_vtu};
 
 use super::Import;
 use super::assemble::{
-    CellData, Parts, direction_rank, direction_values, positions, region_rank, region_values,
+    CellData, PRESTRETCH, Parts, direction_rank, direction_values, positions, region_rank,
+    region_values,
 };
 use super::cells::Cells;
 use super::error::{FormatError, Place};
@@ -82,6 +83,14 @@ pub(super) fn read(file: &[u8]) -> Result<Import, FormatError> {
             }
         }
         cells.add_to(&mut parts, first, &data)?;
+    }
+    // They lead to the rest positions, which a file of a deformed mesh does not have.
+    let mut arrays = document.pieces.iter().flat_map(|piece| &piece.cell_data);
+    if arrays.any(|array| array.name == PRESTRETCH) {
+        parts.notes.push(
+            "prestretches are left out: the elements have no stress in the places of the file"
+                .to_owned(),
+        );
     }
     parts.finish()
 }

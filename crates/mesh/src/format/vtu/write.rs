@@ -1,7 +1,7 @@
 //! `.vtu` files from a mesh and its fields.
 
 use crate::TetMesh;
-use crate::format::assemble::DIRECTIONS;
+use crate::format::assemble::{DIRECTIONS, PRESTRETCH};
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Write;
 
@@ -32,6 +32,8 @@ pub enum FieldValues<'a> {
     Vectors(&'a [Vector3<f64>]),
     /// Symmetric tensors, of which xx, yy, zz, xy, yz and xz are written, as VTK orders them.
     SymmetricTensors(&'a [Matrix3<f64>]),
+    /// Tensors, row by row.
+    Tensors(&'a [Matrix3<f64>]),
     /// Counts, ids.
     Wholes(&'a [u32]),
 }
@@ -41,14 +43,15 @@ impl FieldValues<'_> {
         match self {
             Self::Scalars(values) => values.len(),
             Self::Vectors(values) => values.len(),
-            Self::SymmetricTensors(values) => values.len(),
+            Self::SymmetricTensors(values) | Self::Tensors(values) => values.len(),
             Self::Wholes(values) => values.len(),
         }
     }
 }
 
 /// `mesh` with its nodes at `positions` \[m\] (the rest positions, or where they are now) and the given fields. Regions and
-/// ids are always written, as the cell arrays "region" and "element_id" and the point array "node_id".
+/// ids are always written, as the cell arrays "region" and "element_id" and the point array "node_id"; fibre directions and prestretches where the
+/// mesh has them. A prestretch leads to the rest position, also where others are written; it is not read back.
 ///
 /// ```
 /// use microsim_mesh::TetMesh;
@@ -126,6 +129,10 @@ pub fn write_vtu(
             file.field(name, FieldValues::Vectors(&directions), elements);
         }
     }
+    if !mesh.prestretches.is_empty() {
+        let prestretches = FieldValues::Tensors(&mesh.prestretches);
+        file.field(PRESTRETCH, prestretches, elements);
+    }
     for field in element_fields {
         file.field(field.name, field.values, elements);
     }
@@ -167,6 +174,11 @@ impl File {
                 let parts = values.iter().flat_map(|tensor| ORDER.map(|at| tensor[at]));
                 let flat: Vec<f64> = parts.collect();
                 self.array(name, "Float64", 6, &flat, |value| value.to_le_bytes());
+            }
+            FieldValues::Tensors(values) => {
+                let rows = values.iter().flat_map(|tensor| tensor.row_iter());
+                let flat: Vec<f64> = rows.flat_map(|row| [row[0], row[1], row[2]]).collect();
+                self.array(name, "Float64", 9, &flat, |value| value.to_le_bytes());
             }
         }
     }
