@@ -41,12 +41,15 @@ fn piece(name: &str, vessel: &Vessel) -> (settings::Scene, SceneSpec) {
 
 #[test]
 fn every_vessel_lies_still_between_its_clamps() {
-    for name in [
-        "rabbit-carotid",
-        "rat-femoral-artery",
-        "rat-femoral-vein",
-        "human-digital-artery",
-    ] {
+    let mut files = std::fs::read_dir(folder())
+        .expect("the vessels")
+        .map(|entry| entry.expect("an entry").path())
+        .collect::<Vec<_>>();
+    files.sort();
+    assert!(!files.is_empty());
+    for file in files {
+        let name = file.file_stem().and_then(|stem| stem.to_str());
+        let name = name.expect("a name in UTF-8");
         let vessel = vessel(name);
         let (read, spec) = piece(name, &vessel);
         let scene = Scene::new(&spec).unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -127,14 +127,15 @@ fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
 }
 
 /// In the place that its prestretches were computed for the wall is in equilibrium up to the size of the cells; emptied it narrows, and divided
-/// it shortens and widens, as the tube does. All errors fall from mesh to mesh, at least by half.
-fn assert_residual_state(discretisation: Discretisation, meshes: &[usize], most: [f64; 4]) {
+/// it shortens and widens, as the tube does. All errors fall from mesh to mesh, at least by half: that is the check. `recorded` are no derived bounds,
+/// but a little above the errors on the first mesh that were recorded, so that a change of them is seen.
+fn assert_residual_state(discretisation: Discretisation, meshes: &[usize], recorded: [f64; 4]) {
     let errors: Vec<[f64; 4]> = meshes
         .iter()
         .map(|cells| errors(discretisation, *cells))
         .collect();
-    for (i, most) in most.into_iter().enumerate() {
-        assert!(errors[0][i].abs() < most, "{i}: {:?}", errors[0]);
+    for (i, recorded) in recorded.into_iter().enumerate() {
+        assert!(errors[0][i].abs() < recorded, "{i}: {:?}", errors[0]);
         for pair in errors.windows(2) {
             assert!(pair[1][i].abs() < 0.5 * pair[0][i].abs(), "{i}: {errors:?}");
         }
@@ -143,20 +144,20 @@ fn assert_residual_state(discretisation: Discretisation, meshes: &[usize], most:
 
 #[test]
 fn the_residual_state_of_selective_tetrahedra_is_that_of_the_tube() {
-    let most = [0.013, 0.05, 0.03, 0.03];
-    assert_residual_state(Discretisation::Selective, &[1, 2, 4], most);
+    let recorded = [0.013, 0.05, 0.03, 0.03];
+    assert_residual_state(Discretisation::Selective, &[1, 2, 4], recorded);
 }
 
 #[test]
 fn the_residual_state_of_tetrahedra_with_pressures_of_patches_is_that_of_the_tube() {
-    let most = [0.006, 0.05, 0.02, 0.03];
-    assert_residual_state(Discretisation::PatchPressure, &[1, 2, 4], most);
+    let recorded = [0.006, 0.05, 0.02, 0.03];
+    assert_residual_state(Discretisation::PatchPressure, &[1, 2, 4], recorded);
 }
 
 #[test]
 fn the_residual_state_of_quadratic_tetrahedra_is_that_of_the_tube() {
-    let most = [0.002, 0.003, 0.002, 0.002];
-    assert_residual_state(Discretisation::QuadraticPressure, &[1], most);
+    let recorded = [0.002, 0.003, 0.002, 0.002];
+    assert_residual_state(Discretisation::QuadraticPressure, &[1], recorded);
 }
 
 /// How far a slit ring of the unloaded carotid opens, over what it should.
@@ -187,17 +188,18 @@ fn a_slit_ring_opens_by_its_opening_angle() {
 }
 
 /// Linear tetrahedra are too stiff in bending, which is all that opens a ring: with one or two cells a layer it opens by much less. As the
-/// lack is of the second order in the size it falls to between a quarter and a half, where it is below 30 % to less than 0.35 of it.
+/// lack is of the second order in the size it falls to between a quarter and a half, where it is below 30 % to less than 0.35 of it: that is the check. The lack on the cells of a level is
+/// a recorded value, within 0.02.
 #[test]
 fn a_slit_ring_of_linear_tetrahedra_opens_less() {
-    for (discretisation, of_level) in [
+    for (discretisation, recorded) in [
         (Discretisation::Tetrahedra, 0.36),
         (Discretisation::Selective, 0.42),
         (Discretisation::PatchPressure, 0.36),
     ] {
         let [coarse, middle, fine] =
             [1, 2, 4].map(|through| 1.0 - opening(discretisation, through, [OPENING; 2]));
-        assert!((coarse - 1.0 + of_level).abs() < 0.02, "{coarse}");
+        assert!((coarse - 1.0 + recorded).abs() < 0.02, "{coarse}");
         assert!(
             middle < 0.5 * coarse && fine < 0.35 * middle,
             "{coarse} {middle} {fine}"
