@@ -95,7 +95,7 @@ impl Parameters for HolzapfelParameters {
     }
 }
 
-/// Largest k₂: from there on a family bears hardly more than 3 % of stretch.
+/// Largest k₂: from there on a family bears less than 2 % of stretch.
 const LARGEST_EXPONENT: f64 = 1e4;
 
 /// k₂ E² from which on φ goes on as a polynomial.
