@@ -1,6 +1,8 @@
 //! Constants come back from tables that another code made from them (`tests/data/fit/make_tables.py`).
 
-use microsim_fit::{ANGLE, Constant, Determination, Fit, FitError, LawModel, Measurements, fit};
+use microsim_fit::{
+    ANGLE, Constant, Determination, Fit, FitError, LawModel, Measurements, fit, material_toml,
+};
 use microsim_random::SplitMix64;
 use microsim_settings::LawName;
 use std::path::Path;
@@ -223,4 +225,17 @@ fn what_cannot_be_fitted_is_refused() {
         refused(LawName::NeoHookean, "1.1,0\n1.2,0\n1.3,0\n1.4,0\n"),
         Err(FitError::NoStress)
     );
+}
+
+/// Tetrahedra of one F each lock where the volume hardly changes: a material from 0.4 on states the discretisation that does not.
+#[test]
+fn a_material_that_would_lock_is_written_selective() {
+    let data = Measurements::read("stretch_1,piola_1 [kPa]\n1.1,1\n1.2,2\n1.3,3\n1.4,4\n");
+    let data = data.expect("it is right");
+    for (poisson, selective) in [("0.39", false), ("0.4", true)] {
+        let found = fitted(LawName::NeoHookean, &[("poisson_ratio", poisson)], &data);
+        let toml = material_toml(&found);
+        let states = toml.contains("\ndiscretisation = \"selective\" #");
+        assert_eq!(states, selective, "{toml}");
+    }
 }
