@@ -112,8 +112,8 @@ impl Frame {
         // Directions follow from angles by a few operations on numbers of order one.
         const ROUNDING: f64 = 1e-9;
         let mut common = None;
-        for element in 0..mesh.tets.len() {
-            if mean_radii[element] < inner || mean_radii[element] > outer {
+        for (element, radius) in mean_radii.iter().enumerate() {
+            if *radius < inner || *radius > outer {
                 continue;
             }
             let axes = self.at(&centre(mesh, element));
