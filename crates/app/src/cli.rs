@@ -292,10 +292,10 @@ pub struct FitArgs {
     #[arg(value_parser = utf8_path)]
     pub data: PathBuf,
     /// Law, by its name in files
-    #[arg(long, value_name = "LAW", value_parser = crate::fit::parse_law)]
+    #[arg(long, value_name = "LAW", value_parser = crate::constant::parse_law)]
     pub law: LawName,
     /// A constant that is given, and not fitted; may be given several times
-    #[arg(long, value_name = "KEY=VALUE", value_parser = crate::fit::parse_constant)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = crate::constant::parse_constant)]
     pub set: Vec<(String, String)>,
     /// Write the material, as a scene takes it, to this file; it must not exist
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]

@@ -14,6 +14,7 @@ mod bus;
 mod chart;
 mod check;
 mod cli;
+mod constant;
 mod digests;
 mod discretisation;
 mod doctor;

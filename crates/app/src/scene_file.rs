@@ -4,7 +4,7 @@ use crate::cli::Place;
 use crate::discretisation::{self, Meshes};
 use crate::output::Problem;
 use crate::session_file::program_folder;
-use crate::working_step;
+use crate::working_step::{self, microseconds};
 use microsim_mesh::{Severity, TetMesh, defects_but_detached};
 use microsim_scene::{
     Behaviour, BodyView, BuildError, Diverged, End, FromSettingsError, LevelParts, ProbeError,
@@ -392,10 +392,6 @@ fn step_under_strain(
         }
     }
     sentences
-}
-
-pub fn microseconds(time: f64) -> String {
-    format!("{:.3} us", time * 1e6)
 }
 
 /// Why a scene cannot be built, with the key that is to blame.

@@ -1,6 +1,5 @@
 //! The step of explicit methods on tissue at work: what it may be at rest, at the start, and when stretched.
 
-use crate::scene_file::microseconds;
 use microsim_scene::{BodyView, Scene, SceneError, SceneSpec, TOO_LONG};
 
 /// The longest steps of each body at rest, at the start if it is prestretched, and at the working stretch: a sentence each; none for a method
@@ -63,4 +62,9 @@ pub fn warnings(place: &str, step: f64, scene: &Scene) -> Vec<String> {
         )
     });
     sentences.collect()
+}
+
+/// A time \[s\] in microseconds.
+pub fn microseconds(time: f64) -> String {
+    format!("{:.3} us", time * 1e6)
 }

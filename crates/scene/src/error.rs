@@ -1,6 +1,5 @@
 //! Why a scene cannot be built or run.
 
-use crate::initial_equilibrium::PrestretchError;
 use microsim_tissue::elements::CoupleError;
 use microsim_tissue::{BuildError, MethodError};
 
@@ -260,3 +259,44 @@ impl std::fmt::Display for SceneError {
 }
 
 impl std::error::Error for SceneError {}
+
+/// Why a body with prestretches has no equilibrium to begin in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PrestretchError {
+    /// Nothing holds a part of it.
+    Loose,
+    /// None was found.
+    NotFound,
+    /// Its nodes are far from their places in the mesh.
+    Shift {
+        /// The largest distance \[m\].
+        shift: f64,
+        /// Mean edge of the mesh \[m\].
+        edge: f64,
+    },
+}
+
+impl std::fmt::Display for PrestretchError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Loose => write!(
+                f,
+                "nothing holds a part of it at the start; expected are clamps that hold the ends of what is prestretched"
+            ),
+            Self::NotFound => write!(
+                f,
+                "no equilibrium was found with its clamps and loads at the start; expected is a pressure on the lumen that is its \
+                 `transmural_pressure`, and clamps that bear the axial stretch"
+            ),
+            Self::Shift { shift, edge } => write!(
+                f,
+                "in equilibrium with its clamps and loads at the start nodes are up to {:.4} mm beside their places, edges are {:.4} mm long; \
+                 expected is at most half an edge: clamps that hold both ends, and a load on the lumen with the `transmural_pressure` and no ramp",
+                1e3 * shift,
+                1e3 * edge
+            ),
+        }
+    }
+}
+
+impl std::error::Error for PrestretchError {}

@@ -109,12 +109,12 @@ mod working_step;
 pub use body::CutTally;
 pub use cut_report::{CutReport, RejectedCut};
 pub use divergence::{Diverged, Divergence};
-pub use error::SceneError;
+pub use error::{PrestretchError, SceneError};
 pub use force_window::FORCE_WINDOW;
 pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
 };
-pub use initial_equilibrium::{InitialEquilibrium, PrestretchError};
+pub use initial_equilibrium::InitialEquilibrium;
 pub use microsim_contact::{ObstaclePart, ObstacleShape};
 pub use microsim_geometry::{Hinge, Joint, Pose};
 pub use microsim_mesh::{Surface, TetMesh};

@@ -3,10 +3,13 @@
 //! A walk is a straightest path (Polthier & Schmies 1998): straight in each triangle, and across an edge as if the two triangles
 //! lay in one plane. It ends where the layer ends: at an edge beyond which there is no face, or one that is turned away.
 
-use crate::elements::coupling::pairing::REACH;
 use microsim_geometry::{closest_on_triangle, triangle_normal};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
+
+/// Two boundaries farther apart than this fraction of the mean edge length are not one interface. It covers what two
+/// divisions of one curved surface differ by.
+pub(super) const REACH: f64 = 0.25;
 
 /// No face.
 const NONE: u32 = u32::MAX;

@@ -1,15 +1,11 @@
 //! Which node of one part is tied to which point of another.
 
-use super::layer::Layer;
+use super::layer::{Layer, REACH};
 use super::{Coupling, CouplingConstants, Sliding, SlidingConstants, Support, Tie, coordinates};
 use crate::range::MaterialError;
 use microsim_geometry::{closest_on_triangle, triangle_normal};
 use microsim_mesh::TetMesh;
 use nalgebra::Vector3;
-
-/// Two boundaries farther apart than this fraction of the mean edge length are not one interface. It covers what two
-/// divisions of one curved surface differ by.
-pub(super) const REACH: f64 = 0.25;
 
 /// Two triangles face each other when the angle between their outward normals is above 120°.
 const FACING: f64 = -0.5;

@@ -166,7 +166,7 @@ fn plastic_strain_and_stiffness_are_bounded() {
     assert!((state.stiffening - 1.1).abs() < 1e-15, "{state:?}");
 }
 
-/// That the quick test of yielding lets nothing through: e itself, of many shapes, against the bound at e; compression meets it.
+/// That the bound that spares the decomposition lets nothing through: e itself, of many shapes, against the bound at e; compression meets it.
 #[test]
 fn the_elastic_bound_is_the_least_trace_of_a_strain() {
     let mut next = numbers();
