@@ -7,7 +7,7 @@ use microsim_fit::{
     Constant, Determination, Estimate, Fit, Goodness, LawModel, Measurements, fit as fit_law,
     material_toml, rounded,
 };
-use microsim_settings::{LawName, Unit, read_regular};
+use microsim_settings::{Unit, read_regular};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
