@@ -29,7 +29,7 @@ pub fn level_schema(manifest: Option<&Manifest>) -> Schema {
 }
 
 /// Reads a level from a text, by the manifest of its module; `file` is the name that complaints use. Vessels that bodies name are
-/// those of the tree that has the file as modules/NAME/levels/level<N>.toml.
+/// those of the tree that has the file as `modules/NAME/levels/level<N>.toml`.
 pub fn read_level(
     text: &str,
     file: &str,
