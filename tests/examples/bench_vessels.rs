@@ -208,7 +208,7 @@ fn pictures(set: &[String]) -> Result<(Vec<f64>, usize), String> {
 fn grip(text: &mut String) -> Result<(), String> {
     text.push_str(
         "\n## A carotid's end, gripped and pulled\n\n`carotid-grip`: two layers, `patch-pressure`, ν = 0.45, implicit Euler with two iterations per picture of 16 ms; forceps close on the \
-         wall, draw it out and lift it. CPU time of the one thread per picture of a single run, without probes and pictures drawn.\n\n\
+         wall, draw it out and lift it. CPU time of the one thread per picture of a single run, without probes and pictures drawn. With one iteration the pull at the end is 3 % below that of converged steps, with two 0.3 %.\n\n\
          | wall | elements | mean [ms] | p50 | p99 | largest |\n|---|---|---|---|---|---|\n",
     );
     let rubber = [
@@ -221,7 +221,11 @@ fn grip(text: &mut String) -> Result<(), String> {
     let rubber = [0, 1].map(|m| rubber.map(|key| format!("body.0.material.{m}.{key}")));
     for (name, set) in [
         ("two families of fibres in each layer", Vec::new()),
-        ("their matrix alone", rubber.concat()),
+        (
+            "the same, one iteration",
+            vec!["method.iterations=1".to_owned()],
+        ),
+        ("the matrix of the fibres alone", rubber.concat()),
     ] {
         let (times, elements) = pictures(&set)?;
         let mean = times.iter().sum::<f64>() / times.len() as f64;
