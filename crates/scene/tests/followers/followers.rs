@@ -97,7 +97,12 @@ fn model_of(mesh: &TetMesh, behaviour: Behaviour, relaxation_time: f64) -> Tissu
         behaviour,
     };
     let free = vec![false; mesh.positions.len()];
-    build_model(mesh, &[(0, material)], &free, 0.0, Vec::new()).expect("a sound mesh is a body")
+    // Springs have no prestretch, and are refused on a mesh that has.
+    let mut natural = mesh.clone();
+    if matches!(material.behaviour, Behaviour::Springs(_)) {
+        natural.prestretches.clear();
+    }
+    build_model(&natural, &[(0, material)], &free, 0.0, Vec::new()).expect("a sound mesh is a body")
 }
 
 /// A table through the body, and the body itself.
