@@ -146,12 +146,9 @@ fn all_implicit_methods_and_laws_move_it() {
                     discretisation.name(),
                     method.name()
                 );
-                // Quadratic is 4 % too stiff there, quadratic-pressure 1.5 %; laws differ by less, but fibres across hold the sides.
-                let limit = if law == LawName::TransverselyIsotropic {
-                    0.05
-                } else {
-                    0.025
-                };
+                // Quadratic is 4 % too stiff there, quadratic-pressure 1.5 %; laws differ by less, but fibres across hold the sides, and
+                // dispersed ones bear a little along.
+                let limit = if law.families() > 0 { 0.05 } else { 0.025 };
                 assert!(
                     (peak / 62.9e-3 - [0.96, 0.985][index]).abs() < limit,
                     "{peak}"
