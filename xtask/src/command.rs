@@ -280,7 +280,7 @@ mod tests {
             ("new module demo more", "`new` does not take \"more\""),
             (
                 "bench hosts",
-                "there is no \"hosts\"; there are: host, kernels, solvers, counts, contact, cutting, coordination, cut-error, peers",
+                "there is no \"hosts\"; there are: host, kernels, solvers, counts, contact, cutting, coordination, cut-error, vessels, peers",
             ),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {
