@@ -142,11 +142,8 @@ fn closing_a_sector_bends_it() {
 #[test]
 fn what_no_wall_bears_is_refused() {
     // From outside, so that the wall would be crushed.
-    let error = carotid(0.0, -1e6).stretches().unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("bears no radial stress of -1000.000 kPa"),
-        "{error}"
+    assert_eq!(
+        carotid(0.0, -1e6).stretches(),
+        Err(WallError::NoEquilibrium)
     );
 }
