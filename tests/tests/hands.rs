@@ -10,7 +10,8 @@ use microsim_tests::{assert_verified, scratch};
 use std::path::PathBuf;
 
 /// The sample: module, level, profile, all of one seed and length; and what is allowed today.
-const SAMPLE: [(&str, u32, Profile, Today); 9] = [
+const SAMPLE: [(&str, u32, Profile, Today); 10] = [
+    ("guide-path", 5, Profile::Clumsy, MET),
     ("touch-spheres", 5, Profile::Outliers, MET),
     ("push-strip", 3, Profile::Dragging, MET),
     ("push-strip", 3, Profile::Swapping, MET),
@@ -127,7 +128,10 @@ fn players_are_functions_of_their_seed() {
         .map(|(stage, _)| stage.module.as_str())
         .collect();
     modules.dedup();
-    assert_eq!(modules, ["coordination", "push-strip", "touch-spheres"]);
+    assert_eq!(
+        modules,
+        ["coordination", "guide-path", "push-strip", "touch-spheres"]
+    );
     for (stage, permitted) in &stages {
         for profile in permitted {
             let player = player(&stage.module, stage.level, *profile);

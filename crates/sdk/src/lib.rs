@@ -23,6 +23,7 @@
 //! | the platform's messages, and kinds of one's own | module [`message`], [`message::Message`] |
 //! | tissue: marks that move with it, grips, cuts, pieces, rings, sections, normals | module [`tissue`] |
 //! | trays, directions, paths | [`Tray`], [`axis`], [`turned_to`], [`shortest_path`] |
+//! | where the parts of a tool are, and what passes between its jaws | [`ToolShape`], [`Mouth`], module [`geometry`] |
 //! | random numbers that can be saved | [`RandomStream`] |
 //! | an error, as one sentence for a person | [`Fault`] |
 //! | samples of a file as an input source | [`Playback`] |
@@ -55,6 +56,7 @@ mod shortest_path;
 mod test_host;
 mod tick;
 pub mod tissue;
+mod tool_shape;
 mod tray;
 
 pub use direction::{axis, turned_to};
@@ -62,6 +64,8 @@ pub use exercise::{Exercise, Training};
 pub use fault::Fault;
 pub use level_run::LevelRun;
 pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as name_id};
+#[doc(inline)]
+pub use microsim_geometry as geometry;
 #[doc(inline)]
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
@@ -73,6 +77,7 @@ pub use random::RandomStream;
 pub use shortest_path::shortest_path;
 pub use test_host::{Published, TestHost};
 pub use tick::Tick;
+pub use tool_shape::{Mouth, Passage, ToolShape};
 pub use tray::Tray;
 
 #[doc(hidden)]
