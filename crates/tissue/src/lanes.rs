@@ -2,6 +2,7 @@
 //!
 //! Every operation is that of the single numbers, rounded alike: a result does not depend on which element stands beside which.
 
+use nalgebra::{Matrix3, SMatrix, Vector3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Numbers worked on together: as many as fill a register of 256 bits.
@@ -133,26 +134,52 @@ impl Neg for Lanes {
 /// Three components of four vectors.
 pub type FourVectors = [Lanes; 3];
 
-/// `Σ_k columns[k] v[k]`, written out so that it is inlined.
+/// One of four vectors.
 #[inline(always)]
-pub fn product_of_four(columns: &[FourVectors; 3], v: &FourVectors) -> FourVectors {
-    let [a, b, c] = columns;
-    let row = |i: usize| a[i] * v[0] + b[i] * v[1] + c[i] * v[2];
-    [row(0), row(1), row(2)]
+pub fn vector_of(v: &FourVectors, lane: usize) -> Vector3<f64> {
+    Vector3::new(v[0].0[lane], v[1].0[lane], v[2].0[lane])
 }
 
-/// Scalar products.
+/// Makes this vector one of four.
 #[inline(always)]
-pub fn dot_of_four(a: &FourVectors, b: &FourVectors) -> Lanes {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+pub fn set_vector(v: &mut FourVectors, lane: usize, one: &Vector3<f64>) {
+    for (i, lanes) in v.iter_mut().enumerate() {
+        lanes.0[lane] = one[i];
+    }
 }
 
-/// Vector products.
+/// One of four matrices, of which there are the columns.
 #[inline(always)]
-pub fn cross_of_four(a: &FourVectors, b: &FourVectors) -> FourVectors {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+pub fn matrix_of(m: &[FourVectors; 3], lane: usize) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, k| m[k][i].0[lane])
+}
+
+/// Makes this matrix one of four.
+#[inline(always)]
+pub fn set_matrix(m: &mut [FourVectors; 3], lane: usize, one: &Matrix3<f64>) {
+    for (k, column) in m.iter_mut().enumerate() {
+        for (i, lanes) in column.iter_mut().enumerate() {
+            lanes.0[lane] = one[(i, k)];
+        }
+    }
+}
+
+/// Four tangents ∂P/∂F, column after column.
+pub type FourTangents = [[Lanes; 9]; 9];
+
+/// One of four tangents.
+#[inline(always)]
+pub fn tangent_of(tangents: &FourTangents, lane: usize) -> SMatrix<f64, 9, 9> {
+    SMatrix::from_fn(|p, q| tangents[q][p].0[lane])
+}
+
+/// Makes this tangent one of four.
+#[inline(always)]
+pub fn put_tangent(tangents: &mut FourTangents, lane: usize, one: &SMatrix<f64, 9, 9>) {
+    let ones = one.as_slice().chunks_exact(9);
+    for (column, ones) in tangents.iter_mut().zip(ones) {
+        for (lanes, one) in column.iter_mut().zip(ones) {
+            lanes.0[lane] = *one;
+        }
+    }
 }

@@ -45,6 +45,7 @@ mod corotational;
 pub mod decomposition;
 mod definition;
 mod elasticity;
+mod exponential;
 mod holzapfel;
 mod invariants;
 mod isotropic;

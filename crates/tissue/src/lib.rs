@@ -79,6 +79,7 @@ mod material;
 mod method;
 mod model;
 mod newton;
+mod number;
 mod plastic_states;
 mod prescribed;
 mod range;

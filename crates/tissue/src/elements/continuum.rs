@@ -4,8 +4,8 @@
 //! so the loop over the elements has no calls through pointers. Forces are −V P b_i with the gradients b_i of the domain;
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
-use super::continuum_matrix::{CornerTangent, DomainTangent, set_tangent};
-use super::domains::{Domains, Tetrahedra, constants_at};
+use super::continuum_matrix::{CORNERS, CornerTangent, DomainTangent, set_matrices, set_tangent};
+use super::domains::{Domains, NO_DIRECTIONS, Tetrahedra, constants_at};
 use super::key::Key;
 use super::quadratic::QuadraturePoints;
 use super::smoothed::SmoothingDomains;
@@ -13,9 +13,13 @@ use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent, rest_stiffness, set_norms,
 };
-use crate::lanes::LANES;
+use crate::lanes::{
+    FourTangents, FourVectors, LANES, Lanes, matrix_of, put_tangent, set_vector, tangent_of,
+};
 use crate::law::decomposition::SignedSvd;
-use crate::law::{Constants, Lame, Law, Matrix9, viscosity};
+use crate::law::{Constants, Lame, Law, viscosity};
+use crate::number::columns;
+use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::marker::PhantomData;
@@ -78,41 +82,60 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
         constants_at(&self.domains, domain, &self.constants)
     }
 
-    /// Adds the tangents of all elements to a matrix, in ascending order: that of the law at `deformation` with `constants`, of which
-    /// `complete` makes the one by F.
+    /// The fibre directions of four domains, if the law has any.
+    #[inline(always)]
+    fn directions_of_four(&self, first: usize) -> [FourVectors; FAMILIES] {
+        match L::Constants::DIRECTIONS {
+            0 => NO_DIRECTIONS,
+            _ => self.domains.directions_of_four(first),
+        }
+    }
+
+    /// Adds the tangents of all elements to a matrix, in ascending order: `set` gives those of four elements from the first on, a multiple
+    /// of four, the last ones filled up with any.
     #[inline(always)]
     pub(super) fn add_tangents(
         &self,
-        tangent: Tangent,
-        deformation: impl Fn(usize) -> Matrix3<f64>,
-        constants: impl Fn(usize) -> L::Constants,
-        complete: impl Fn(usize, &Matrix3<f64>, &mut Matrix9),
+        set: impl Fn(usize, &mut FourTangents),
         matrix: &mut MatrixWindow<'_>,
     ) {
         let count = self.domains.count();
+        let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+        let mut matrices = [[[Lanes::splat(0.0); 9]; CORNERS]; CORNERS];
+        let mut gradients = [[Lanes::splat(0.0); 3]; CORNERS];
         let mut corners = Vec::new();
         for first in (0..count).step_by(LANES) {
-            // The last ones are filled up with the last domain.
-            let f = [0, 1, 2, 3].map(|lane| deformation((first + lane).min(count - 1)));
-            let decomposed = match tangent {
-                Tangent::Exact => None,
-                Tangent::Positive => Some(SignedSvd::of_four(&f)),
-            };
-            for (element, lane) in (first..count).zip(0..LANES) {
-                let constants = constants(element);
-                let mut tangent = match &decomposed {
-                    None => L::tangent(&f[lane], &constants),
-                    Some(f) => L::positive_tangent(&f[lane], &constants),
-                };
-                complete(element, &f[lane], &mut tangent);
-                let tangent = DomainTangent::new(&tangent, self.domains.volume(element));
+            set(first, &mut tangents);
+            let four = first..count.min(first + LANES);
+            let is_tetrahedron = |element| self.domains.nodes(element).len() == CORNERS;
+            if four.clone().all(is_tetrahedron) {
+                let mut volumes = Lanes::splat(0.0);
+                for (lane, element) in four.clone().enumerate() {
+                    volumes.0[lane] = self.domains.volume(element);
+                    for (node, gradient) in gradients.iter_mut().enumerate() {
+                        set_vector(gradient, lane, &self.domains.gradient(element, node));
+                    }
+                }
+                set_matrices(&tangents, volumes, &gradients, &mut matrices);
+                for (lane, element) in four.enumerate() {
+                    matrix.add_pairs(element, CORNERS, |row, column| {
+                        let block = &matrices[row][column];
+                        Matrix3::from_fn(|i, k| block[3 * k + i].0[lane])
+                    });
+                }
+                continue;
+            }
+            for (lane, element) in four.enumerate() {
+                let one = tangent_of(&tangents, lane).data.0;
+                let tangent = DomainTangent::new(&one, self.domains.volume(element));
                 let nodes = self.domains.nodes(element).len();
-                corners.resize(nodes, CornerTangent::default());
+                corners.resize(nodes, CornerTangent::zero());
                 for (node, corner) in corners.iter_mut().enumerate() {
-                    tangent.set_corner(self.domains.gradient(element, node), corner);
+                    let gradient = self.domains.gradient(element, node);
+                    tangent.set_corner(gradient.into(), corner);
                 }
                 matrix.add_pairs(element, nodes, |row, column| {
-                    corners[row].block(&corners[column])
+                    Matrix3::from_column_slice(&corners[row].block(&corners[column]))
                 });
             }
         }
@@ -133,23 +156,37 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
     }
 
     fn energy(&self, at: &Configuration<'_>) -> f64 {
-        let energies = (0..self.domains.count()).map(|element| {
-            let f = self.domains.deformation(element, at.positions);
-            self.domains.volume(element) * L::energy(&f, &self.constants(element))
-        });
-        energies.sum()
+        let count = self.domains.count();
+        let mut sum = 0.0;
+        for first in (0..count).step_by(LANES) {
+            let f = self.domains.deformations_of_four(first, at.positions);
+            let directions = self.directions_of_four(first);
+            let densities = L::energy_of_four(&f, &directions, &self.constants);
+            for (element, density) in (first..count).zip(densities.0) {
+                sum += self.domains.volume(element) * density;
+            }
+        }
+        sum
     }
 
     fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
         if self.is_viscous() {
-            for element in range {
-                let f = self.domains.deformation(element, at.positions);
-                let rate = self.domains.deformation(element, at.velocities);
-                let constants = self.constants(element);
-                let elasticity = constants.elasticity();
-                let stress = L::stress(&f, &constants)
-                    + viscosity::stress(&f, &rate, &elasticity, self.relaxation_time);
-                self.domains.add_forces(element, &stress, forces);
+            let lame = self.constants.elasticity().lame;
+            for first in (range.start / LANES * LANES..range.end).step_by(LANES) {
+                let f = self.domains.deformations_of_four(first, at.positions);
+                let rate = self.domains.deformations_of_four(first, at.velocities);
+                let directions = self.directions_of_four(first);
+                let elastic = L::stress_of_four(&f, &directions, &self.constants);
+                let families = self.constants.families_of_four(&directions);
+                let viscous =
+                    viscosity::stress_of(&f, &rate, &lame, &families, self.relaxation_time);
+                let stress = columns(|k, i| elastic[k][i] + viscous[k][i]);
+                for lane in 0..LANES {
+                    if range.contains(&(first + lane)) {
+                        let stress = matrix_of(&stress, lane);
+                        self.domains.add_forces(first + lane, &stress, forces);
+                    }
+                }
             }
         } else {
             self.domains
@@ -183,14 +220,27 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         matrix: &mut MatrixWindow<'_>,
     ) {
         let viscous_time = damping * self.relaxation_time;
+        let last = self.domains.count().saturating_sub(1);
         self.add_tangents(
-            tangent,
-            |element| self.domains.deformation(element, at.positions),
-            |element| self.constants(element),
-            |element, f, tangent| {
+            |first, tangents| {
+                let f = self.domains.deformations_of_four(first, at.positions);
+                let directions = self.directions_of_four(first);
+                match tangent {
+                    Tangent::Exact => {
+                        L::set_tangents_of_four(&f, &directions, &self.constants, tangents);
+                    }
+                    Tangent::Positive => {
+                        let f = [0, 1, 2, 3].map(|lane| matrix_of(&f, lane));
+                        for (lane, f) in SignedSvd::of_four(&f).iter().enumerate() {
+                            let constants = self.constants(last.min(first + lane));
+                            put_tangent(tangents, lane, &L::positive_tangent(f, &constants));
+                        }
+                    }
+                }
                 if viscous_time > 0.0 {
-                    let elasticity = self.constants(element).elasticity();
-                    *tangent += viscosity::tangent(f, &elasticity, viscous_time);
+                    let lame = self.constants.elasticity().lame;
+                    let families = self.constants.families_of_four(&directions);
+                    viscosity::add_tangent(&f, &lame, &families, viscous_time, tangents);
                 }
             },
             matrix,

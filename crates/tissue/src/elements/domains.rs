@@ -3,8 +3,9 @@
 use super::key::Key;
 use super::splice::{make_room, splice};
 use crate::elements::NodeWindow;
-use crate::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
+use crate::lanes::{FourVectors, LANES, Lanes, set_matrix, set_vector, vector_of};
 use crate::law::{Constants, Law};
+use crate::number::{self, columns, cross, dot};
 use microsim_mesh::{FAMILIES, TetMesh};
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
@@ -24,6 +25,30 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
 
     /// Fibre directions in the natural state, unit vectors; zero where the mesh has none.
     fn directions(&self, domain: usize) -> [Vector3<f64>; FAMILIES];
+
+    /// The fibre directions of four domains from `first` on, a multiple of four; beyond the end those of the last one.
+    #[inline(always)]
+    fn directions_of_four(&self, first: usize) -> [FourVectors; FAMILIES] {
+        let mut four = NO_DIRECTIONS;
+        for lane in 0..LANES {
+            let domain = (first + lane).min(self.count() - 1);
+            for (four, direction) in four.iter_mut().zip(&self.directions(domain)) {
+                set_vector(four, lane, direction);
+            }
+        }
+        four
+    }
+
+    /// The deformation gradients of four domains, as [`directions_of_four`](Self::directions_of_four).
+    #[inline(always)]
+    fn deformations_of_four(&self, first: usize, positions: &[Vector3<f64>]) -> [FourVectors; 3] {
+        let mut four = [[Lanes::splat(0.0); 3]; 3];
+        for lane in 0..LANES {
+            let domain = (first + lane).min(self.count() - 1);
+            set_matrix(&mut four, lane, &self.deformation(domain, positions));
+        }
+        four
+    }
 
     /// Takes a volume times a factor; all that a domain does is in proportion to its volume.
     fn scale_volume(&mut self, domain: usize, factor: f64);
@@ -87,8 +112,8 @@ pub struct Tetrahedra {
     gradients: Vec<[FourVectors; 3]>,
     volumes: Vec<Lanes>,
     shapes: Vec<FourShapes>,
-    /// Fibre directions, if the mesh has any.
-    directions: Vec<[Vector3<f64>; FAMILIES]>,
+    /// Fibre directions of four elements each, if the mesh has any.
+    directions: Vec<[FourVectors; FAMILIES]>,
 }
 
 /// What is held of one element: see [`FourShapes`].
@@ -99,6 +124,7 @@ struct Element {
     metric: [f64; 6],
     per_volume: f64,
     sixth: f64,
+    directions: [Vector3<f64>; FAMILIES],
 }
 
 /// What forces by areas need of four elements.
@@ -119,18 +145,18 @@ const BLOCKS: usize = 16;
 impl Tetrahedra {
     /// The elements of `mesh` with the indices `elements`.
     pub fn new(mesh: &TetMesh, elements: &[u32]) -> Self {
+        let blocks = elements.len().div_ceil(LANES);
+        let none = Lanes::splat(0.0);
         let mut tetrahedra = Self {
             nodes: Vec::with_capacity(elements.len()),
-            gradients: Vec::new(),
-            volumes: Vec::new(),
-            shapes: Vec::new(),
-            directions: Vec::new(),
+            gradients: vec![[[none; 3]; 3]; blocks],
+            volumes: vec![none; blocks],
+            shapes: vec![FourShapes::NONE; blocks],
+            directions: match mesh.directions.is_empty() {
+                true => Vec::new(),
+                false => vec![NO_DIRECTIONS; blocks],
+            },
         };
-        if !mesh.directions.is_empty() {
-            let directions = elements.iter().map(|&e| mesh.directions[e as usize]);
-            tetrahedra.directions = directions.collect();
-        }
-        tetrahedra.reserve(elements.len());
         for (index, &element) in elements.iter().enumerate() {
             let (gradients, volume) = natural_shape(mesh, element as usize);
             tetrahedra.nodes.push(mesh.tets[element as usize]);
@@ -144,6 +170,11 @@ impl Tetrahedra {
                     volume,
                     per_volume: 1.0 / (6.0 * volume),
                     sixth: 1.0 / 6.0,
+                    directions: mesh
+                        .directions
+                        .get(element as usize)
+                        .copied()
+                        .unwrap_or_default(),
                 },
             );
         }
@@ -157,6 +188,9 @@ impl Tetrahedra {
         self.gradients.resize(blocks, [[none; 3]; 3]);
         self.volumes.resize(blocks, none);
         self.shapes.resize(blocks, FourShapes::NONE);
+        if !self.directions.is_empty() {
+            self.directions.resize(blocks, NO_DIRECTIONS);
+        }
     }
 
     /// What is held of one element, but its nodes.
@@ -173,6 +207,7 @@ impl Tetrahedra {
             metric: metric.map(|lanes| lanes.0[lane]),
             per_volume: per_volume.0[lane],
             sixth: sixth.0[lane],
+            directions: self.directions(element),
         }
     }
 
@@ -190,19 +225,18 @@ impl Tetrahedra {
         }
         shapes.per_volume.0[lane] = one.per_volume;
         shapes.sixth.0[lane] = one.sixth;
+        if let Some(directions) = self.directions.get_mut(block) {
+            for (four, direction) in directions.iter_mut().zip(&one.directions) {
+                set_vector(four, lane, direction);
+            }
+        }
     }
 
     /// Gradients of the last three corners of an element.
     #[inline(always)]
     fn gradients(&self, element: usize) -> [Vector3<f64>; 3] {
-        let lanes = &self.gradients[element / LANES];
-        let lane = element % LANES;
-        let gradient = |g: &FourVectors| Vector3::new(g[0].0[lane], g[1].0[lane], g[2].0[lane]);
-        [
-            gradient(&lanes[0]),
-            gradient(&lanes[1]),
-            gradient(&lanes[2]),
-        ]
+        let gradients = &self.gradients[element / LANES];
+        gradients.each_ref().map(|g| vector_of(g, element % LANES))
     }
 
     /// Adds the forces of the elements of some blocks of four, of which those in `range` count.
@@ -232,7 +266,8 @@ impl Tetrahedra {
         for (corners, block) in corners.iter_mut().zip(blocks) {
             if !forces_by_areas::<L>(corners, &self.shapes[block], constants) {
                 let (gradients, volumes) = (&self.gradients[block], &self.volumes[block]);
-                forces_by_stress::<L>(corners, gradients, volumes, constants);
+                let directions = self.directions.get(block).unwrap_or(&NO_DIRECTIONS);
+                forces_by_stress::<L>(corners, gradients, volumes, directions, constants);
             }
         }
         let mut element = end - nodes.len();
@@ -249,6 +284,9 @@ impl Tetrahedra {
         }
     }
 }
+
+/// Of elements without fibres.
+pub(super) const NO_DIRECTIONS: [FourVectors; FAMILIES] = [[Lanes([0.0; LANES]); 3]; FAMILIES];
 
 impl FourShapes {
     const NONE: Self = Self {
@@ -288,12 +326,8 @@ fn forces_by_areas<L: Law>(
     constants: &L::Constants,
 ) -> bool {
     let [e1, e2, e3] = edges_of_four(corners);
-    let doubled = [
-        cross_of_four(&e2, &e3),
-        cross_of_four(&e3, &e1),
-        cross_of_four(&e1, &e2),
-    ];
-    let j = dot_of_four(&e1, &doubled[0]) * shapes.per_volume;
+    let doubled = [cross(&e2, &e3), cross(&e3, &e1), cross(&e1, &e2)];
+    let j = dot(&e1, &doubled[0]) * shapes.per_volume;
     let Some(slope) = L::slope_of_four(j, constants) else {
         return false;
     };
@@ -319,22 +353,16 @@ fn forces_by_stress<L: Law>(
     corners: &mut [FourVectors; 4],
     [g1, g2, g3]: &[FourVectors; 3],
     volumes: &Lanes,
+    directions: &[FourVectors; FAMILIES],
     constants: &L::Constants,
 ) {
     let edges = edges_of_four(corners);
-    let column = |k: usize| product_of_four(&edges, &[g1[k], g2[k], g3[k]]);
+    let column = |k: usize| number::product(&edges, &[g1[k], g2[k], g3[k]]);
     let f = [column(0), column(1), column(2)];
-    let mut scaled = [[Lanes::splat(0.0); 3]; 3];
-    for lane in 0..LANES {
-        let f = Matrix3::from_fn(|i, k| f[k][i].0[lane]);
-        let stress = L::stress(&f, constants) * -volumes.0[lane];
-        for (k, column) in scaled.iter_mut().enumerate() {
-            for (i, value) in column.iter_mut().enumerate() {
-                value.0[lane] = stress[(i, k)];
-            }
-        }
-    }
-    let forces = [g1, g2, g3].map(|g| product_of_four(&scaled, g));
+    let stress = L::stress_of_four(&f, directions, constants);
+    let minus = -*volumes;
+    let scaled = columns(|k, i| stress[k][i] * minus);
+    let forces = [g1, g2, g3].map(|g| number::product(&scaled, g));
     set_forces(corners, forces);
 }
 
@@ -377,8 +405,9 @@ impl Domains for Tetrahedra {
     }
 
     fn directions(&self, domain: usize) -> [Vector3<f64>; FAMILIES] {
-        let directions = self.directions.get(domain);
-        directions.copied().unwrap_or_default()
+        let directions = self.directions.get(domain / LANES);
+        let of_lane = |a: &FourVectors| vector_of(a, domain % LANES);
+        directions.map_or_else(Default::default, |four| four.each_ref().map(of_lane))
     }
 
     fn scale_volume(&mut self, domain: usize, factor: f64) {
@@ -415,9 +444,6 @@ impl Domains for Tetrahedra {
         }
         self.reserve(count);
         splice(&mut self.nodes, removed, &added.nodes);
-        if !self.directions.is_empty() {
-            splice(&mut self.directions, removed, &added.directions);
-        }
         true
     }
 
@@ -471,14 +497,6 @@ impl Domains for Tetrahedra {
         constants: &L::Constants,
         forces: &mut NodeWindow<'_>,
     ) {
-        if L::Constants::DIRECTIONS > 0 {
-            for domain in range {
-                let f = self.deformation(domain, positions);
-                let stress = L::stress(&f, &constants_at(self, domain, constants));
-                self.add_forces(domain, &stress, forces);
-            }
-            return;
-        }
         let mut corners = [[[Lanes::splat(0.0); 3]; 4]; BLOCKS];
         let end = range.end.div_ceil(LANES);
         for first in (range.start / LANES..end).step_by(BLOCKS) {

@@ -12,6 +12,7 @@ use super::splice::{Blend, Inherited};
 use crate::elements::{
     Configuration, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow, Tangent,
 };
+use crate::lanes::put_tangent;
 use crate::law::decomposition::SignedSvd;
 use crate::law::{Constants, Law, Matrix9, viscosity};
 use nalgebra::{Matrix3, Vector3};
@@ -147,21 +148,30 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
         matrix: &mut MatrixWindow<'_>,
     ) {
         let viscous_time = damping * self.elastic.relaxation_time;
+        let last = self.count().saturating_sub(1);
         self.elastic.add_tangents(
-            tangent,
-            |element| {
-                self.gradient(element, at.positions) * self.state(at.internal, element).inverse
-            },
-            |element| {
-                let constants = self.elastic.constants(element);
-                self.state(at.internal, element).constants(constants)
-            },
-            |element, _, tangent| {
-                *tangent = pulled_back(tangent, &self.state(at.internal, element));
-                if viscous_time > 0.0 {
-                    let f = self.gradient(element, at.positions);
-                    let elasticity = self.elastic.constants(element).elasticity();
-                    *tangent += viscosity::tangent(&f, &elasticity, viscous_time);
+            |first, tangents| {
+                let elements = [0, 1, 2, 3].map(|lane| last.min(first + lane));
+                let states = elements.map(|element| self.state(at.internal, element));
+                let gradients = elements.map(|element| self.gradient(element, at.positions));
+                let elastic = [0, 1, 2, 3].map(|lane| gradients[lane] * states[lane].inverse);
+                let decomposed = match tangent {
+                    Tangent::Exact => None,
+                    Tangent::Positive => Some(SignedSvd::of_four(&elastic)),
+                };
+                for (lane, state) in states.iter().enumerate() {
+                    let given = self.elastic.constants(elements[lane]);
+                    let constants = state.constants(given);
+                    let one = match &decomposed {
+                        None => L::tangent(&elastic[lane], &constants),
+                        Some(f) => L::positive_tangent(&f[lane], &constants),
+                    };
+                    let mut one = pulled_back(&one, state);
+                    if viscous_time > 0.0 {
+                        let elasticity = given.elasticity();
+                        one += viscosity::tangent(&gradients[lane], &elasticity, viscous_time);
+                    }
+                    put_tangent(tangents, lane, &one);
                 }
             },
             matrix,

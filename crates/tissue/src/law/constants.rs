@@ -1,6 +1,7 @@
 //! What a law is given, and what its functions take beside the deformation gradient.
 
-use super::elasticity::{Elasticity, Lame};
+use super::elasticity::{Elasticity, Family, Lame};
+use crate::lanes::{FourVectors, LANES, Lanes, set_matrix, vector_of};
 use crate::range::MaterialError;
 use microsim_mesh::FAMILIES;
 use nalgebra::Vector3;
@@ -22,6 +23,27 @@ pub trait Constants: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The elasticity at rest: what bounds of the step, mass floors and viscosity go by.
     fn elasticity(&self) -> Elasticity;
 
+    /// The families of [`elasticity`](Self::elasticity) of four elements with these directions, for viscosity. By default one after the other.
+    #[inline(always)]
+    fn families_of_four(&self, directions: &[FourVectors; FAMILIES]) -> Option<FourFamilies> {
+        if Self::DIRECTIONS == 0 {
+            return None;
+        }
+        let mut families = NO_FAMILIES;
+        for lane in 0..LANES {
+            let one = self.along(directions.map(|a| vector_of(&a, lane)));
+            let of_lane = one
+                .elasticity()
+                .families
+                .unwrap_or([Family::NONE; FAMILIES]);
+            for ((stiffness, structure), family) in families.iter_mut().zip(&of_lane) {
+                stiffness.0[lane] = family.stiffness;
+                set_matrix(structure, lane, &family.structure);
+            }
+        }
+        Some(families)
+    }
+
     /// Constants \[isochoric, volumetric\] of the two parts of the energy, whose sum is the energy. Discretisations against locking
     /// integrate them over different domains.
     ///
@@ -35,6 +57,11 @@ pub trait Constants: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The same with the volumetric part of the energy times a factor, ≥ 0.
     fn with_volumetric(self, factor: f64) -> Self;
 }
+
+/// m \[Pa\] and H, column after column, of the families of four elements.
+pub type FourFamilies = [(Lanes, [FourVectors; 3]); FAMILIES];
+
+const NO_FAMILIES: FourFamilies = [(Lanes([0.0; LANES]), [[Lanes([0.0; LANES]); 3]; 3]); FAMILIES];
 
 impl Constants for Lame {
     #[inline(always)]

@@ -6,6 +6,7 @@
 mod four;
 
 use crate::lanes::LANES;
+use crate::number::{Columns, Number, columns_of, cross, dot};
 use nalgebra::{Matrix3, Vector3};
 
 /// F = U diag(σ) Vᵀ with proper rotations U and V and σ1 ≥ σ2 ≥ |σ3|: σ3 has the sign of det F.
@@ -172,17 +173,16 @@ fn rotation_by_svd(f: &Matrix3<f64>) -> Matrix3<f64> {
 /// ∂(det F)/∂F and det F.
 #[inline(always)]
 pub fn cofactor(f: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
-    let [a, b, c] = [0, 1, 2].map(|k| [f[(0, k)], f[(1, k)], f[(2, k)]]);
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    };
+    let (cofactor, j) = cofactor_of(&columns_of(f));
+    (Matrix3::from(cofactor), j)
+}
+
+/// As [`cofactor`], of one matrix or of four.
+#[inline(always)]
+pub(crate) fn cofactor_of<N: Number>([a, b, c]: &Columns<N>) -> (Columns<N>, N) {
     let bc = cross(b, c);
-    let cofactor = Matrix3::from([bc, cross(c, a), cross(a, b)]);
-    (cofactor, a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2])
+    let j = dot(a, &bc);
+    ([bc, cross(c, a), cross(a, b)], j)
 }
 
 /// Eigenvalues, in no order, and eigenvectors (columns of a proper rotation) of a symmetric matrix, by cyclic Jacobi rotations

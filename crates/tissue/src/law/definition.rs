@@ -3,7 +3,10 @@
 use super::constants::{Constants, Parameters};
 use super::decomposition::SignedSvd;
 use super::elasticity::{Lame, Matrix9};
-use crate::lanes::Lanes;
+use crate::lanes::{
+    FourTangents, FourVectors, LANES, Lanes, matrix_of, put_tangent, set_matrix, vector_of,
+};
+use microsim_mesh::FAMILIES;
 use microsim_vocabulary::LawName;
 use nalgebra::Matrix3;
 use std::fmt::Debug;
@@ -177,8 +180,57 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
         None
     }
 
+    /// [`energy`](Self::energy) of four elements at once, F by its columns and fibre directions as [`Constants::along`] takes them: the same
+    /// bits. By default one after the other.
+    #[inline(always)]
+    fn energy_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        constants: &Self::Constants,
+    ) -> Lanes {
+        let energies = [0, 1, 2, 3].map(|lane| {
+            let constants = constants.along(directions.map(|a| vector_of(&a, lane)));
+            Self::energy(&matrix_of(f, lane), &constants)
+        });
+        Lanes(energies)
+    }
+
+    /// [`stress`](Self::stress) of four elements at once, as [`energy_of_four`](Self::energy_of_four).
+    #[inline(always)]
+    fn stress_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        constants: &Self::Constants,
+    ) -> [FourVectors; 3] {
+        let mut stresses = [[Lanes::splat(0.0); 3]; 3];
+        for lane in 0..LANES {
+            let constants = constants.along(directions.map(|a| vector_of(&a, lane)));
+            let stress = Self::stress(&matrix_of(f, lane), &constants);
+            set_matrix(&mut stresses, lane, &stress);
+        }
+        stresses
+    }
+
     /// Tangent ∂P/∂F \[Pa\], symmetric; entry (i + 3j, k + 3l) is ∂P_ij/∂F_kl.
     fn tangent(f: &Matrix3<f64>, constants: &Self::Constants) -> Matrix9;
+
+    /// Sets `tangents` to [`tangent`](Self::tangent) of four elements at once, as [`energy_of_four`](Self::energy_of_four).
+    #[inline(always)]
+    fn set_tangents_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        constants: &Self::Constants,
+        tangents: &mut FourTangents,
+    ) {
+        for lane in 0..LANES {
+            let constants = constants.along(directions.map(|a| vector_of(&a, lane)));
+            put_tangent(
+                tangents,
+                lane,
+                &Self::tangent(&matrix_of(f, lane), &constants),
+            );
+        }
+    }
 
     /// Tangent without negative eigenvalues \[Pa\] at F = U diag(σ) Vᵀ, nowhere below the exact one (their difference has no negative
     /// eigenvalue either): what implicit methods take far from equilibrium. Of an [isotropic](super::IsotropicLaw) law the nearest one,

@@ -1,5 +1,6 @@
 //! Small-strain elasticity: what every law is close to its rest state.
 
+use crate::number::{Columns, columns_of};
 use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -49,6 +50,15 @@ pub struct Family {
     pub stiffness: f64,
     /// Structure tensor H, symmetric: a₀ ⊗ a₀ of fibres that all lie along a₀.
     pub structure: Matrix3<f64>,
+}
+
+/// m \[Pa\] and H, column after column, of a [`Family`] of one element or of four.
+pub(crate) type FamilyOf<N> = (N, Columns<N>);
+
+/// Those of one family.
+#[inline(always)]
+pub(crate) fn family_of(family: Family) -> FamilyOf<f64> {
+    (family.stiffness, columns_of(&family.structure))
 }
 
 impl Family {

@@ -1,10 +1,17 @@
 //! Laws of arterial walls: two families of dispersed fibres that stiffen exponentially, in a neo-Hookean matrix.
 
-use super::decomposition::{SignedSvd, cofactor};
-use super::elasticity::{Elasticity, Family, Lame};
+use super::constants::FourFamilies;
+use super::decomposition::{SignedSvd, cofactor, cofactor_of};
+use super::elasticity::{Elasticity, Family, FamilyOf, Lame};
+use super::exponential::exponential;
 use super::invariants::{self, InvariantDerivatives};
 use super::volume::volume_power;
-use super::{Constants, Law, LawName, Matrix9, NeoHookean, Parameters};
+use super::{Constants, Law, LawName, Matrix9, NeoHookean, Parameters, neo_hookean};
+use crate::lanes::{FourTangents, FourVectors, Lanes};
+use crate::number::{
+    Columns, Columns9, Number, Three, add_outer, columns, columns_of, components_of, dot, entries,
+    norm_squared, product,
+};
 use crate::range::{MaterialError, require};
 use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, SVector, Vector3};
@@ -111,6 +118,8 @@ pub struct HolzapfelConstants {
     pub lame: Lame,
     /// k₁, k₂, κ.
     pub fibres: HolzapfelParameters,
+    /// E from which on φ goes on as a polynomial.
+    pub end: f64,
     /// Whether fibres are those of the isochoric deformation.
     pub isochoric: bool,
     /// Unit vectors a₀ along the fibres in the natural state; zero for a family that is not there.
@@ -125,24 +134,22 @@ impl Constants for HolzapfelConstants {
         Self { directions, ..self }
     }
 
-    /// At small strain φ is ½ k₁ (2 H:ε)², so m = 4 k₁ under tension; of the isochoric deformation with H − 1/3 in place of H.
     #[inline(always)]
     fn elasticity(&self) -> Elasticity {
-        let isotropic = match self.isochoric {
-            true => Matrix3::from_diagonal_element(1.0 / 3.0),
-            false => Matrix3::zeros(),
+        let families = self.families_at_rest(&components_of(&self.directions));
+        let family = |(stiffness, structure): FamilyOf<f64>| Family {
+            stiffness,
+            structure: structure.into(),
         };
-        let families = self.directions.map(|a| match a == Vector3::zeros() {
-            true => Family::NONE,
-            false => Family {
-                stiffness: 4.0 * self.fibres.fibre_stiffness,
-                structure: self.structure(&a) - isotropic,
-            },
-        });
         Elasticity {
             lame: self.lame,
-            families: Some(families),
+            families: families.map(|families| families.map(family)),
         }
+    }
+
+    #[inline(always)]
+    fn families_of_four(&self, directions: &[FourVectors; FAMILIES]) -> Option<FourFamilies> {
+        self.families_at_rest(directions)
     }
 
     fn split(self) -> Option<[Self; 2]> {
@@ -177,6 +184,7 @@ impl HolzapfelConstants {
         Self {
             lame: *lame,
             fibres: *parameters,
+            end: (LARGEST_POWER / parameters.fibre_exponent).sqrt(),
             isochoric,
             directions: [Vector3::zeros(); FAMILIES],
         }
@@ -191,84 +199,187 @@ impl HolzapfelConstants {
     }
 
     /// H = κ 1 + (1 − 3κ) a₀ ⊗ a₀.
-    fn structure(&self, a: &Vector3<f64>) -> Matrix3<f64> {
+    #[inline(always)]
+    fn structure<N: Number>(&self, a: &Three<N>) -> Columns<N> {
         let dispersion = self.fibres.fibre_dispersion;
-        a * a.transpose() * (1.0 - 3.0 * dispersion) + Matrix3::from_diagonal_element(dispersion)
+        let aligned = N::of(1.0 - 3.0 * dispersion);
+        let mut structure = columns(|k, i| a[i] * a[k] * aligned);
+        for (k, column) in structure.iter_mut().enumerate() {
+            column[k] = column[k] + N::of(dispersion);
+        }
+        structure
+    }
+
+    /// m and H of the elasticity at rest. At small strain φ is ½ k₁ (2 H:ε)², so m = 4 k₁ under tension; of the isochoric deformation with
+    /// H − 1/3 in place of H.
+    #[inline(always)]
+    fn families_at_rest<N: Number>(
+        &self,
+        directions: &[Three<N>; FAMILIES],
+    ) -> Option<[FamilyOf<N>; FAMILIES]> {
+        let stiffness = N::of(4.0 * self.fibres.fibre_stiffness);
+        let family = |a: &Three<N>| {
+            let mut structure = self.structure(a);
+            if self.isochoric {
+                for (k, column) in structure.iter_mut().enumerate() {
+                    column[k] = column[k] - N::of(1.0 / 3.0);
+                }
+            }
+            let stiffness = dot(a, a).select_above(0.0, stiffness, N::of(0.0));
+            (stiffness, structure)
+        };
+        (self.fibres.fibre_stiffness > 0.0).then(|| directions.each_ref().map(family))
+    }
+
+    /// (1 − 3κ) F a₀ and H:C: F H is κ F and the outer product of the first with a₀.
+    #[inline(always)]
+    fn stretched<N: Number>(&self, f: &Columns<N>, a: &Three<N>) -> (Three<N>, N) {
+        let dispersion = self.fibres.fibre_dispersion;
+        let aligned = N::of(1.0 - 3.0 * dispersion);
+        let fa = product(f, a);
+        let square = N::of(dispersion) * norm_squared(f) + aligned * dot(&fa, &fa);
+        (fa.map(|x| x * aligned), square)
     }
 
     /// F H and H:C.
     #[inline(always)]
-    fn stretched(&self, f: &Matrix3<f64>, a: &Vector3<f64>) -> (Matrix3<f64>, f64) {
-        let dispersion = self.fibres.fibre_dispersion;
-        let aligned = 1.0 - 3.0 * dispersion;
-        let fa = f * a;
-        let stretched = f * dispersion + fa * (a * aligned).transpose();
-        let square = dispersion * f.norm_squared() + aligned * fa.norm_squared();
-        (stretched, square)
+    fn pulled<N: Number>(&self, f: &Columns<N>, a: &Three<N>) -> (Columns<N>, N) {
+        let (along, square) = self.stretched(f, a);
+        let dispersion = N::of(self.fibres.fibre_dispersion);
+        (
+            columns(|k, i| f[k][i] * dispersion + along[i] * a[k]),
+            square,
+        )
     }
 
     /// φ \[J/m³\] and its derivatives \[Pa\] by E.
     #[inline(always)]
-    fn exponential(&self, e: f64) -> [f64; 3] {
+    fn exponential<N: Number>(&self, e: N) -> [N; 3] {
+        let of = N::of;
         let (k1, k2) = (self.fibres.fibre_stiffness, self.fibres.fibre_exponent);
-        if e <= 0.0 {
-            // At rest, where E is zero to rounding, fibres count as under tension.
-            return [0.0, 0.0, if e > -AT_REST { k1 } else { 0.0 }];
-        }
-        let power = k2 * e * e;
-        if power <= LARGEST_POWER {
-            let growth = libm::expm1(power);
-            // (exp(q) − 1)/q, of q without rounding of what is small.
-            let mean = if power > 0.0 { growth / power } else { 1.0 };
-            let exp = growth + 1.0;
-            return [
-                0.5 * k1 * e * e * mean,
-                k1 * e * exp,
-                k1 * (1.0 + 2.0 * power) * exp,
-            ];
-        }
-        let end = (LARGEST_POWER / k2).sqrt();
-        let growth = libm::expm1(LARGEST_POWER);
-        let slope = k1 * end * (growth + 1.0);
-        let curvature = k1 * (1.0 + 2.0 * LARGEST_POWER) * (growth + 1.0);
-        let beyond = e - end;
-        let energy = 0.5 * k1 * end * end * growth / LARGEST_POWER;
+        let pull = e.most(of(0.0));
+        // Beyond its end the polynomial goes on from there.
+        let at = pull.least(of(self.end));
+        let beyond = pull - at;
+        let power = of(k2) * at * at;
+        let [growth, exp] = exponential(power);
+        // (exp(q) − 1)/q, of q without rounding of what is small.
+        let mean = power.select_above(0.0, growth / power, of(1.0));
+        let energy = of(0.5 * k1) * at * at * mean;
+        let slope = of(k1) * at * exp;
+        let curvature = of(k1) * (of(1.0) + of(2.0) * power) * exp;
         [
-            energy + beyond * (slope + 0.5 * curvature * beyond),
+            energy + beyond * (slope + of(0.5) * curvature * beyond),
             slope + curvature * beyond,
-            curvature,
+            // At rest, where E is zero to rounding, fibres count as under tension.
+            e.select_above(-AT_REST, curvature, of(0.0)),
         ]
     }
 
-    /// Adds 4φ'' n nᵀ + 2φ' (1 ⊗ H) with n = F H: ∂²φ/∂F². H and φ' have no negative eigenvalue, and neither has this.
+    /// E = g H:C − 1; −1, at which fibres bear nothing, of a family that is not there.
     #[inline(always)]
-    fn add_tangent(&self, f: &Matrix3<f64>, tangent: &mut Matrix9) {
-        for a in self.families() {
-            let (stretched, square) = self.stretched(f, a);
-            let [_, slope, curvature] = self.exponential(square - 1.0);
-            if curvature == 0.0 {
-                continue;
+    fn strain<N: Number>(&self, square: N, power: N, a: &Three<N>) -> N {
+        dot(a, a).select_above(0.0, power * square - N::of(1.0), N::of(-1.0))
+    }
+
+    /// Ψ with these g(J).
+    #[inline(always)]
+    fn energy<N: Number>(
+        &self,
+        f: &Columns<N>,
+        directions: &[Three<N>; FAMILIES],
+        volume_power: impl Fn(N) -> [N; 3],
+    ) -> N {
+        let (_, j) = cofactor_of(f);
+        let mut energy = neo_hookean::energy(norm_squared(f), j, &self.lame);
+        if self.fibres.fibre_stiffness > 0.0 {
+            let [power, ..] = volume_power(j);
+            for a in directions {
+                let (_, square) = self.stretched(f, a);
+                let [of_family, ..] = self.exponential(self.strain(square, power, a));
+                energy = energy + of_family;
             }
-            let n = stretched.as_slice();
-            for q in 0..9 {
-                let along = 4.0 * curvature * n[q];
-                for p in 0..9 {
-                    tangent[(p, q)] += n[p] * along;
-                }
+        }
+        energy
+    }
+
+    /// P with these g(J): of the matrix, and φ' ∂E/∂F = φ' (2g F H + g' H:C cof F) of each family.
+    #[inline(always)]
+    fn stress<N: Number>(
+        &self,
+        f: &Columns<N>,
+        directions: &[Three<N>; FAMILIES],
+        volume_power: impl Fn(N) -> [N; 3],
+    ) -> Columns<N> {
+        let (cofactor, j) = cofactor_of(f);
+        let mut along = N::of(self.lame.mu);
+        let [mut across, _] = neo_hookean::volume_slopes(j, &self.lame);
+        let mut of_fibres = [[N::of(0.0); 3]; 3];
+        if self.fibres.fibre_stiffness > 0.0 {
+            let [power, power_slope, _] = volume_power(j);
+            let dispersion = N::of(self.fibres.fibre_dispersion);
+            for a in directions {
+                let (stretched, square) = self.stretched(f, a);
+                let [_, slope, _] = self.exponential(self.strain(square, power, a));
+                let pull = N::of(2.0) * slope * power;
+                along = along + pull * dispersion;
+                across = across + slope * power_slope * square;
+                let pulled = stretched.map(|x| x * pull);
+                of_fibres = columns(|k, i| of_fibres[k][i] + pulled[i] * a[k]);
             }
-            add_second(tangent, 2.0 * slope, &self.structure(a));
+        }
+        columns(|k, i| f[k][i] * along + cofactor[k][i] * across + of_fibres[k][i])
+    }
+
+    /// ∂P/∂F with full invariants.
+    #[inline(always)]
+    fn set_tangent<N: Number>(
+        &self,
+        f: &Columns<N>,
+        directions: &[Three<N>; FAMILIES],
+        tangent: &mut Columns9<N>,
+    ) {
+        let (cofactor, j) = cofactor_of(f);
+        let derivatives = neo_hookean::derivatives(j, &self.lame);
+        invariants::set_tangent(f, &cofactor, &derivatives, tangent);
+        self.add_tangent(f, directions, tangent);
+    }
+
+    /// Adds 4φ'' n nᵀ + 2φ' (1 ⊗ H) with n = F H: ∂²φ/∂F² of full invariants. H and φ' have no negative eigenvalue, and neither has this.
+    #[inline(always)]
+    fn add_tangent<N: Number>(
+        &self,
+        f: &Columns<N>,
+        directions: &[Three<N>; FAMILIES],
+        tangent: &mut Columns9<N>,
+    ) {
+        if self.fibres.fibre_stiffness == 0.0 {
+            return;
+        }
+        for a in directions {
+            let (pulled, square) = self.pulled(f, a);
+            let [_, slope, curvature] = self.exponential(self.strain(square, N::of(1.0), a));
+            add_outer(tangent, &entries(&pulled), N::of(4.0) * curvature);
+            add_second(tangent, N::of(2.0) * slope, &self.structure(a));
         }
     }
 }
 
+/// g of the full invariants, and its derivatives.
+#[inline(always)]
+fn full<N: Number>(_j: N) -> [N; 3] {
+    [1.0, 0.0, 0.0].map(N::of)
+}
+
 /// Adds a factor times δ_ik H_jl at (i + 3j, k + 3l): the derivative of F H by F.
 #[inline(always)]
-fn add_second(tangent: &mut Matrix9, factor: f64, structure: &Matrix3<f64>) {
+fn add_second<N: Number>(tangent: &mut Columns9<N>, factor: N, structure: &Columns<N>) {
     for l in 0..3 {
         for j in 0..3 {
-            let entry = factor * structure[(j, l)];
+            let along = factor * structure[l][j];
             for i in 0..3 {
-                tangent[(i + 3 * j, i + 3 * l)] += entry;
+                let entry = &mut tangent[i + 3 * l][i + 3 * j];
+                *entry = *entry + along;
             }
         }
     }
@@ -284,36 +395,56 @@ impl Law for HolzapfelGasserOgden {
     }
 
     fn energy(f: &Matrix3<f64>, c: &HolzapfelConstants) -> f64 {
-        let of_fibres = c.families().map(|a| {
-            let (_, square) = c.stretched(f, a);
-            c.exponential(square - 1.0)[0]
-        });
-        NeoHookean::energy(f, &c.lame) + of_fibres.sum::<f64>()
+        c.energy(&columns_of(f), &components_of(&c.directions), full)
     }
 
-    /// 2φ' F H of each family.
     #[inline(always)]
     fn stress(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix3<f64> {
-        let mut stress = NeoHookean::stress(f, &c.lame);
-        for a in c.families() {
-            let (stretched, square) = c.stretched(f, a);
-            let [_, slope, _] = c.exponential(square - 1.0);
-            stress += stretched * (2.0 * slope);
-        }
-        stress
+        c.stress(&columns_of(f), &components_of(&c.directions), full)
+            .into()
+    }
+
+    #[inline(always)]
+    fn energy_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        c: &HolzapfelConstants,
+    ) -> Lanes {
+        c.energy(f, directions, full)
+    }
+
+    #[inline(always)]
+    fn stress_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        c: &HolzapfelConstants,
+    ) -> [FourVectors; 3] {
+        c.stress(f, directions, full)
     }
 
     fn tangent(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix9 {
-        let mut tangent = NeoHookean::tangent(f, &c.lame);
-        c.add_tangent(f, &mut tangent);
-        tangent
+        let mut tangent = [[0.0; 9]; 9];
+        let directions = components_of(&c.directions);
+        c.set_tangent(&columns_of(f), &directions, &mut tangent);
+        tangent.into()
+    }
+
+    #[inline(always)]
+    fn set_tangents_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        c: &HolzapfelConstants,
+        tangents: &mut FourTangents,
+    ) {
+        c.set_tangent(f, directions, tangents);
     }
 
     /// That of the matrix, and of the fibres the exact one.
     fn positive_tangent(f: &SignedSvd, c: &HolzapfelConstants) -> Matrix9 {
-        let mut tangent = NeoHookean::positive_tangent(f, &c.lame);
-        c.add_tangent(&deformation(f), &mut tangent);
-        tangent
+        let mut tangent = NeoHookean::positive_tangent(f, &c.lame).data.0;
+        let directions = components_of(&c.directions);
+        c.add_tangent(&columns_of(&deformation(f)), &directions, &mut tangent);
+        tangent.into()
     }
 }
 
@@ -339,7 +470,8 @@ impl Isochoric {
         let (cofactor, j) = cofactor(f);
         let powers = volume_power(j);
         let [g, g1, _] = powers;
-        let (stretched, square) = c.stretched(f, a);
+        let (stretched, square) = c.pulled(&columns_of(f), &(*a).into());
+        let stretched = Matrix3::from(stretched);
         Self {
             slope: stretched * (2.0 * g) + cofactor * (g1 * square),
             stretched: (stretched, square),
@@ -364,7 +496,7 @@ impl Isochoric {
             [stretched, &cofactor].map(|m| SVector::<f64, 9>::from_column_slice(m.as_slice()));
         let mixed = along * across.transpose() * (2.0 * g1);
         curvature += mixed + mixed.transpose();
-        add_second(&mut curvature, 2.0 * g, &c.structure(a));
+        add_second(&mut curvature.data.0, 2.0 * g, &c.structure(&(*a).into()));
         curvature
     }
 
@@ -385,18 +517,31 @@ impl Law for HolzapfelGasserOgdenIsochoric {
     }
 
     fn energy(f: &Matrix3<f64>, c: &HolzapfelConstants) -> f64 {
-        let families = c.families();
-        let of_fibres = families.map(|a| Isochoric::new(c, f, a).exponential[0]);
-        NeoHookean::energy(f, &c.lame) + of_fibres.sum::<f64>()
+        c.energy(&columns_of(f), &components_of(&c.directions), volume_power)
     }
 
+    #[inline(always)]
     fn stress(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix3<f64> {
-        let mut stress = NeoHookean::stress(f, &c.lame);
-        for a in c.families() {
-            let family = Isochoric::new(c, f, a);
-            stress += family.slope * family.exponential[1];
-        }
-        stress
+        c.stress(&columns_of(f), &components_of(&c.directions), volume_power)
+            .into()
+    }
+
+    #[inline(always)]
+    fn energy_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        c: &HolzapfelConstants,
+    ) -> Lanes {
+        c.energy(f, directions, volume_power)
+    }
+
+    #[inline(always)]
+    fn stress_of_four(
+        f: &[FourVectors; 3],
+        directions: &[FourVectors; FAMILIES],
+        c: &HolzapfelConstants,
+    ) -> [FourVectors; 3] {
+        c.stress(f, directions, volume_power)
     }
 
     fn tangent(f: &Matrix3<f64>, c: &HolzapfelConstants) -> Matrix9 {

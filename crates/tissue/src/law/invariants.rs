@@ -1,19 +1,20 @@
 //! Laws of the form Ψ = a(I) + b(J), I = tr FᵀF, J = det F: stress and tangent from the derivatives of a and b.
 
 use super::{Matrix9, PrincipalTangent};
+use crate::number::{Columns, Columns9, Number, columns_of, entries};
 use nalgebra::{Matrix3, Vector3};
 
 /// Derivatives of a and b at some F \[Pa\].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct InvariantDerivatives {
+pub(super) struct InvariantDerivatives<N = f64> {
     /// a'.
-    pub a1: f64,
+    pub a1: N,
     /// a''.
-    pub a2: f64,
+    pub a2: N,
     /// b'.
-    pub b1: f64,
+    pub b1: N,
     /// b''.
-    pub b2: f64,
+    pub b2: N,
 }
 
 /// P = 2a' F + b' cof F.
@@ -29,30 +30,42 @@ pub(super) fn tangent(
     cofactor: &Matrix3<f64>,
     d: &InvariantDerivatives,
 ) -> Matrix9 {
-    let (f_entries, c_entries) = (f.as_slice(), cofactor.as_slice());
-    let mut tangent = Matrix9::zeros();
-    for q in 0..9 {
-        let (along_f, along_c) = (4.0 * d.a2 * f_entries[q], d.b2 * c_entries[q]);
-        for p in 0..9 {
-            tangent[(p, q)] = f_entries[p] * along_f + c_entries[p] * along_c;
+    let mut tangent = [[0.0; 9]; 9];
+    set_tangent(&columns_of(f), &columns_of(cofactor), d, &mut tangent);
+    tangent.into()
+}
+
+/// As [`tangent`], of one matrix or of four.
+#[inline(always)]
+pub(super) fn set_tangent<N: Number>(
+    f: &Columns<N>,
+    cofactor: &Columns<N>,
+    d: &InvariantDerivatives<N>,
+    tangent: &mut Columns9<N>,
+) {
+    let (f_entries, c_entries) = (entries(f), entries(cofactor));
+    for (q, column) in tangent.iter_mut().enumerate() {
+        let (along_f, along_c) = (N::of(4.0) * d.a2 * f_entries[q], d.b2 * c_entries[q]);
+        for (p, entry) in column.iter_mut().enumerate() {
+            *entry = f_entries[p] * along_f + c_entries[p] * along_c;
         }
-        tangent[(q, q)] += 2.0 * d.a1;
+        column[q] = column[q] + N::of(2.0) * d.a1;
     }
     // ∂cof_ij/∂F_kl = ε_ikm ε_jln F_mn.
     for j in 0..3 {
-        for (l, n, sign_columns) in [
-            (((j + 1) % 3), ((j + 2) % 3), 1.0),
-            (((j + 2) % 3), ((j + 1) % 3), -1.0),
+        for (l, n, factor) in [
+            ((j + 1) % 3, (j + 2) % 3, d.b1),
+            ((j + 2) % 3, (j + 1) % 3, -d.b1),
         ] {
             for i in 0..3 {
                 let (next, last) = ((i + 1) % 3, (i + 2) % 3);
-                let factor = sign_columns * d.b1;
-                tangent[(i + 3 * j, next + 3 * l)] += factor * f[(last, n)];
-                tangent[(i + 3 * j, last + 3 * l)] -= factor * f[(next, n)];
+                let row = i + 3 * j;
+                let (a, b) = (next + 3 * l, last + 3 * l);
+                tangent[a][row] = tangent[a][row] + factor * f[n][last];
+                tangent[b][row] = tangent[b][row] - factor * f[n][next];
             }
         }
     }
-    tangent
 }
 
 /// ∂P/∂F at F = diag(`stretches`).

@@ -5,7 +5,7 @@ use super::elasticity::{Elasticity, Lame};
 use super::invariants::{self, InvariantDerivatives};
 use super::isotropic::nearest_positive;
 use super::st_venant_kirchhoff::material_tangent;
-use super::volume::log_volume;
+use super::volume::{log_volume, log_volume_slopes};
 use super::{Constants, IsotropicLaw, Law, LawName, Matrix9, Parameters};
 use crate::range::{MaterialError, require};
 use nalgebra::Matrix3;
@@ -100,7 +100,7 @@ impl MooneyRivlinConstants {
     /// b'(J) and b''(J) of the terms of the volume ratio.
     #[inline(always)]
     fn of_volume(&self, j: f64) -> [f64; 2] {
-        let [_, slope, curvature] = log_volume(j);
+        let [slope, curvature] = log_volume_slopes(j);
         let pull = 2.0 * (self.c10 + 2.0 * self.c01);
         [
             self.volumetric * (j - 1.0) - pull * slope,
@@ -126,7 +126,7 @@ impl Law for MooneyRivlin {
 
     fn energy(f: &Matrix3<f64>, c: &Self::Constants) -> f64 {
         let (cofactor, j) = cofactor(f);
-        let [log, ..] = log_volume(j);
+        let log = log_volume(j);
         let growth = j - 1.0;
         c.c10 * (f.norm_squared() - 3.0) + c.c01 * (cofactor.norm_squared() - 3.0)
             - 2.0 * (c.c10 + 2.0 * c.c01) * log

@@ -1,10 +1,13 @@
 //! Compressible neo-Hookean law with logarithms.
 
-use super::decomposition::{SignedSvd, cofactor};
+use super::decomposition::{SignedSvd, cofactor, cofactor_of};
 use super::invariants::{self, InvariantDerivatives};
 use super::isotropic::nearest_positive;
-use super::volume::log_volume;
+use super::volume::{log_volume, log_volume_slopes};
 use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
+use crate::lanes::FourVectors;
+use crate::number::{Columns, Number, columns, columns_of};
+use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
 
 /// Ψ = μ/2 (tr FᵀF − 3) − μ ln J + λ/2 ln²J, J = det F (Bonet & Wood 1997).
@@ -26,22 +29,27 @@ impl Law for NeoHookean {
     }
 
     fn energy(f: &Matrix3<f64>, lame: &Lame) -> f64 {
-        let [log, ..] = log_volume(f.determinant());
-        0.5 * lame.mu * (f.norm_squared() - 3.0) - lame.mu * log + 0.5 * lame.lambda * log * log
+        energy(f.norm_squared(), f.determinant(), lame)
     }
 
     #[inline(always)]
     fn stress(f: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
-        let (cofactor, j) = cofactor(f);
-        let [log, slope, _] = log_volume(j);
-        let b1 = (lame.lambda * log - lame.mu) * slope;
-        invariants::stress(f, &cofactor, 0.5 * lame.mu, b1)
+        stress(&columns_of(f), lame).into()
+    }
+
+    #[inline(always)]
+    fn stress_of_four(
+        f: &[FourVectors; 3],
+        _directions: &[FourVectors; FAMILIES],
+        lame: &Lame,
+    ) -> [FourVectors; 3] {
+        stress(f, lame)
     }
 
     #[inline(always)]
     fn tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
         let (cofactor, j) = cofactor(f);
-        invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))
+        invariants::tangent(f, &cofactor, &derivatives(j, lame))
     }
 
     fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
@@ -51,21 +59,49 @@ impl Law for NeoHookean {
 
 impl IsotropicLaw for NeoHookean {
     fn principal_tangent(stretches: &Vector3<f64>, lame: &Lame) -> PrincipalTangent {
-        let derivatives = derivatives(stretches.norm_squared(), stretches.product(), lame);
+        let derivatives = derivatives(stretches.product(), lame);
         invariants::principal_tangent(stretches, &derivatives)
     }
 }
 
 #[inline(always)]
-fn derivatives(_i: f64, j: f64, lame: &Lame) -> InvariantDerivatives {
-    let [log, slope, curvature] = log_volume(j);
-    let pull = lame.lambda * log - lame.mu;
+pub(super) fn derivatives<N: Number>(j: N, lame: &Lame) -> InvariantDerivatives<N> {
+    let [b1, b2] = volume_slopes(j, lame);
     InvariantDerivatives {
-        a1: 0.5 * lame.mu,
-        a2: 0.0,
-        b1: pull * slope,
-        b2: lame.lambda * slope * slope + pull * curvature,
+        a1: N::of(0.5 * lame.mu),
+        a2: N::of(0.0),
+        b1,
+        b2,
     }
+}
+
+/// Ψ of I and J.
+#[inline(always)]
+pub(super) fn energy<N: Number>(i: N, j: N, lame: &Lame) -> N {
+    let (of, log) = (N::of, log_volume(j));
+    of(0.5 * lame.mu) * (i - of(3.0)) - of(lame.mu) * log + of(0.5 * lame.lambda) * log * log
+}
+
+/// P = μ F + b' cof F.
+#[inline(always)]
+fn stress<N: Number>(f: &Columns<N>, lame: &Lame) -> Columns<N> {
+    let (cofactor, j) = cofactor_of(f);
+    let [b1, _] = volume_slopes(j, lame);
+    let mu = N::of(lame.mu);
+    columns(|k, i| f[k][i] * mu + cofactor[k][i] * b1)
+}
+
+/// b' and b'' of b(J) = −μ ln J + λ/2 ln²J.
+#[inline(always)]
+pub(super) fn volume_slopes<N: Number>(j: N, lame: &Lame) -> [N; 2] {
+    let [slope, curvature] = log_volume_slopes(j);
+    let (lambda, mu) = (N::of(lame.lambda), N::of(lame.mu));
+    // Of the isochoric part the logarithm is not needed, which takes longer than all the rest.
+    let pull = match lame.lambda == 0.0 {
+        true => -mu,
+        false => lambda * log_volume(j) - mu,
+    };
+    [pull * slope, lambda * slope * slope + pull * curvature]
 }
 
 #[cfg(test)]
@@ -84,8 +120,8 @@ mod tests {
             lambda: 2.0,
         };
         let derivative = |j: f64| {
-            let [log, slope, _] = log_volume(j);
-            (lame.lambda * log - lame.mu) * slope
+            let [b1, _] = volume_slopes(j, &lame);
+            b1
         };
         let pressures: Vec<f64> = (0..40).map(|k| derivative(0.5 - 0.05 * k as f64)).collect();
         assert!(

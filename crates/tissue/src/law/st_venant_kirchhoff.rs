@@ -3,6 +3,7 @@
 use super::decomposition::SignedSvd;
 use super::isotropic::nearest_positive;
 use super::{IsotropicLaw, Lame, Law, LawName, Matrix9};
+use crate::number::{Columns, Columns9, Number, columns, columns_of};
 use nalgebra::Matrix3;
 
 /// Ψ = μ E:E + λ/2 tr²E with Green's strain E = (FᵀF − 1)/2.
@@ -34,21 +35,33 @@ pub(super) fn second_piola(strain: &Matrix3<f64>, lame: &Lame) -> Matrix3<f64> {
 /// negative eigenvalue for μ ≥ 0, λ ≥ 0.
 #[inline(always)]
 pub(super) fn material_tangent(f: &Matrix3<f64>, lame: &Lame) -> Matrix9 {
-    let left = f * f.transpose() * lame.mu;
-    let mut tangent = Matrix9::zeros();
+    let mut tangent = [[0.0; 9]; 9];
+    set_material_tangent(&columns_of(f), lame, &mut tangent);
+    tangent.into()
+}
+
+/// As [`material_tangent`], of one matrix or of four.
+#[inline(always)]
+pub(super) fn set_material_tangent<N: Number>(
+    f: &Columns<N>,
+    lame: &Lame,
+    tangent: &mut Columns9<N>,
+) {
+    let (lambda, mu) = (N::of(lame.lambda), N::of(lame.mu));
+    let left = |i: usize, k: usize| f[0][i] * f[0][k] + f[1][i] * f[1][k] + f[2][i] * f[2][k];
+    let left = columns(|k, i| left(i, k) * mu);
     for (j, l) in (0..9).map(|b| (b % 3, b / 3)) {
         for k in 0..3 {
-            let (along, across) = (lame.lambda * f[(k, l)], lame.mu * f[(k, j)]);
+            let (along, across) = (lambda * f[l][k], mu * f[j][k]);
             for i in 0..3 {
-                let mut entry = f[(i, j)] * along + f[(i, l)] * across;
+                let mut entry = f[j][i] * along + f[l][i] * across;
                 if j == l {
-                    entry += left[(i, k)];
+                    entry = entry + left[k][i];
                 }
-                tangent[(i + 3 * j, k + 3 * l)] = entry;
+                tangent[k + 3 * l][i + 3 * j] = entry;
             }
         }
     }
-    tangent
 }
 
 impl Law for StVenantKirchhoff {

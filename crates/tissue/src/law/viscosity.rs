@@ -3,9 +3,14 @@
 //! Second Piola–Kirchhoff stress S = τ (λ tr Ė + 2μ Ė) with Ė = sym(Fᵀ Ḟ). A rigid rotation has Ė = 0 and no stress; the power
 //! −τ (λ tr²Ė + 2μ Ė:Ė) is never positive; at rest the damping matrix is τ times the stiffness of linear elasticity.
 
-use super::st_venant_kirchhoff::{material_tangent, second_piola};
+use super::elasticity::{FamilyOf, family_of};
+use super::st_venant_kirchhoff::set_material_tangent;
 use super::{Elasticity, Lame, Matrix9};
-use nalgebra::{Matrix3, SVector};
+use crate::number::{
+    Columns, Columns9, Number, add_outer, columns, columns_of, dot, entries, product,
+};
+use microsim_mesh::FAMILIES;
+use nalgebra::Matrix3;
 
 /// First Piola–Kirchhoff stress F S \[Pa\] of the rate `rate` = Ḟ \[1/s\]; `relaxation_time` τ \[s\].
 #[inline]
@@ -15,34 +20,79 @@ pub fn stress(
     elasticity: &Elasticity,
     relaxation_time: f64,
 ) -> Matrix3<f64> {
-    let product = f.tr_mul(rate);
-    let strain_rate = (product + product.transpose()) * (0.5 * relaxation_time);
-    let mut second = second_piola(&strain_rate, &elasticity.lame);
-    for family in elasticity.families.iter().flatten() {
-        second += family.structure * (family.stiffness * family.structure.dot(&strain_rate));
+    let families = elasticity.families.map(|families| families.map(family_of));
+    let (f, rate) = (columns_of(f), columns_of(rate));
+    stress_of(&f, &rate, &elasticity.lame, &families, relaxation_time).into()
+}
+
+/// As [`stress`], of one element or of four.
+#[inline(always)]
+pub(crate) fn stress_of<N: Number>(
+    f: &Columns<N>,
+    rate: &Columns<N>,
+    lame: &Lame,
+    families: &Option<[FamilyOf<N>; FAMILIES]>,
+    relaxation_time: f64,
+) -> Columns<N> {
+    let half = N::of(0.5 * relaxation_time);
+    let strain_rate = columns(|k, i| (dot(&f[i], &rate[k]) + dot(&f[k], &rate[i])) * half);
+    let trace = strain_rate[0][0] + strain_rate[1][1] + strain_rate[2][2];
+    let pressure = N::of(lame.lambda) * trace;
+    let twice = N::of(2.0 * lame.mu);
+    let mut second = columns(|k, i| strain_rate[k][i] * twice);
+    for (k, column) in second.iter_mut().enumerate() {
+        column[k] = column[k] + pressure;
     }
-    f * second
+    for (stiffness, structure) in families.iter().flatten() {
+        let [a, b, c] = [0, 1, 2].map(|k| dot(&structure[k], &strain_rate[k]));
+        let along = *stiffness * (a + b + c);
+        second = columns(|k, i| second[k][i] + structure[k][i] * along);
+    }
+    [0, 1, 2].map(|k| product(f, &second[k]))
 }
 
 /// Its derivative by Ḟ \[Pa·s\]; symmetric, no negative eigenvalue for μ ≥ 0, λ ≥ 0.
 #[inline(always)]
 pub fn tangent(f: &Matrix3<f64>, elasticity: &Elasticity, relaxation_time: f64) -> Matrix9 {
-    let Lame { mu, lambda } = elasticity.lame;
-    let viscosities = Lame {
-        mu: mu * relaxation_time,
-        lambda: lambda * relaxation_time,
-    };
-    let mut tangent = material_tangent(f, &viscosities);
-    for family in elasticity.families.iter().flatten() {
-        // F H, column after column: the power is τ m (H:Ė)².
-        let along = Vector9::from_column_slice((f * family.structure).as_slice());
-        tangent += along * along.transpose() * (family.stiffness * relaxation_time);
-    }
-    tangent
+    let families = elasticity.families.map(|families| families.map(family_of));
+    let mut tangent = [[0.0; 9]; 9];
+    let lame = &elasticity.lame;
+    add_tangent(
+        &columns_of(f),
+        lame,
+        &families,
+        relaxation_time,
+        &mut tangent,
+    );
+    tangent.into()
 }
 
-/// A change of F, column after column.
-type Vector9 = SVector<f64, 9>;
+/// Adds [`tangent`], of one element or of four.
+#[inline(always)]
+pub(crate) fn add_tangent<N: Number>(
+    f: &Columns<N>,
+    lame: &Lame,
+    families: &Option<[FamilyOf<N>; FAMILIES]>,
+    relaxation_time: f64,
+    sum: &mut Columns9<N>,
+) {
+    let viscosities = Lame {
+        mu: lame.mu * relaxation_time,
+        lambda: lame.lambda * relaxation_time,
+    };
+    let mut tangent = [[N::of(0.0); 9]; 9];
+    set_material_tangent(f, &viscosities, &mut tangent);
+    for (stiffness, structure) in families.iter().flatten() {
+        // F H, column after column: the power is τ m (H:Ė)².
+        let along = entries(&[0, 1, 2].map(|k| product(f, &structure[k])));
+        add_outer(&mut tangent, &along, *stiffness * N::of(relaxation_time));
+    }
+    for (sum, tangent) in sum.iter_mut().zip(&tangent) {
+        for (sum, entry) in sum.iter_mut().zip(tangent) {
+            *sum = *sum + *entry;
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -1,36 +1,41 @@
 //! Logarithm and power of the volume ratio, for laws that have one.
 
+use crate::number::Number;
+
 /// J from which down the logarithm is replaced.
 pub(super) const SMALLEST_VOLUME: f64 = 0.2;
 
-/// ln J and its first two derivatives; below [`SMALLEST_VOLUME`] its Taylor polynomial of second order, which has values for every J
-/// and a slope that goes on growing towards inversion.
-#[inline]
-pub(super) fn log_volume(j: f64) -> [f64; 3] {
-    if j >= SMALLEST_VOLUME {
-        let inverse = 1.0 / j;
-        return [libm::log(j), inverse, -inverse * inverse];
-    }
-    const SLOPE: f64 = 1.0 / SMALLEST_VOLUME;
-    let below = j - SMALLEST_VOLUME;
-    [
-        libm::log(SMALLEST_VOLUME) + below * SLOPE - 0.5 * (below * SLOPE) * (below * SLOPE),
-        SLOPE - below * SLOPE * SLOPE,
-        -SLOPE * SLOPE,
-    ]
+/// ln J; below [`SMALLEST_VOLUME`] its Taylor polynomial of second order, which has values for every J and a slope that goes on growing
+/// towards inversion.
+#[inline(always)]
+pub(super) fn log_volume<N: Number>(j: N) -> N {
+    let at = j.most(N::of(SMALLEST_VOLUME));
+    let slope = N::of(1.0) / at;
+    let below = j - at;
+    at.ln() + below * slope - N::of(0.5) * (below * slope) * (below * slope)
+}
+
+/// Its first two derivatives.
+#[inline(always)]
+pub(super) fn log_volume_slopes<N: Number>(j: N) -> [N; 2] {
+    let at = j.most(N::of(SMALLEST_VOLUME));
+    let slope = N::of(1.0) / at;
+    let below = j - at;
+    [slope - below * slope * slope, -slope * slope]
 }
 
 /// J^(−2/3) and its first two derivatives; below [`SMALLEST_VOLUME`] its Taylor polynomial of second order.
-#[inline]
-pub(super) fn volume_power(j: f64) -> [f64; 3] {
-    let at = j.max(SMALLEST_VOLUME);
-    let root = libm::cbrt(at);
-    let power = 1.0 / (root * root);
-    let slope = -2.0 / 3.0 * power / at;
-    let curvature = -5.0 / 3.0 * slope / at;
+#[inline(always)]
+pub(super) fn volume_power<N: Number>(j: N) -> [N; 3] {
+    let of = N::of;
+    let at = j.most(of(SMALLEST_VOLUME));
+    let root = at.cbrt();
+    let power = of(1.0) / (root * root);
+    let slope = of(-2.0 / 3.0) * power / at;
+    let curvature = of(-5.0 / 3.0) * slope / at;
     let below = j - at;
     [
-        power + below * (slope + 0.5 * below * curvature),
+        power + below * (slope + of(0.5) * below * curvature),
         slope + below * curvature,
         curvature,
     ]
@@ -42,7 +47,11 @@ mod tests {
 
     #[test]
     fn the_continuation_is_smooth() {
-        let [above, below] = [0.0, -1e-15].map(|d| log_volume(SMALLEST_VOLUME + d));
+        let [above, below] = [0.0, -1e-15].map(|d| {
+            let j = SMALLEST_VOLUME + d;
+            let [slope, curvature] = log_volume_slopes(j);
+            [log_volume(j), slope, curvature]
+        });
         for k in 0..3 {
             // 1e-15 times the next derivative, 2/J³ = 250, and rounding of values up to 25.
             assert!((above[k] - below[k]).abs() < 3e-13, "{above:?} {below:?}");

@@ -4,7 +4,8 @@
 //! at least √3 away from the others, so that its vector is exact to rounding; one rotation around it does the rest (Eberly 2014).
 
 use super::SignedSvd;
-use crate::lanes::{FourVectors, LANES, Lanes, cross_of_four, dot_of_four, product_of_four};
+use crate::lanes::{FourVectors, LANES, Lanes};
+use crate::number::{cross, dot, product};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
@@ -34,19 +35,19 @@ pub(super) fn direct(f: &[Matrix3<f64>; LANES]) -> [Option<SignedSvd>; LANES] {
     let column = |k: usize| [0, 1, 2].map(|i| Lanes(f.map(|f| f[(i, k)])));
     let f = [column(0), column(1), column(2)];
     let mut v = eigenvectors(&gram(&f));
-    let mut a = v.map(|v| product_of_four(&f, &v));
+    let mut a = v.map(|v| product(&f, &v));
     for [p, q] in [[0, 1], [1, 2], [0, 1]] {
-        let squares = [p, q].map(|k| dot_of_four(&a[k], &a[k]));
+        let squares = [p, q].map(|k| dot(&a[k], &a[k]));
         for columns in [&mut a, &mut v] {
             exchange_where_above(squares, columns, p, q);
         }
     }
     let is_exact = are_orthogonal(&a);
     let u1 = normalised(&a[0]);
-    let along = dot_of_four(&u1, &a[1]);
+    let along = dot(&u1, &a[1]);
     let u2 = normalised(&[0, 1, 2].map(|i| a[1][i] - along * u1[i]));
-    let u = [u1, u2, cross_of_four(&u1, &u2)];
-    let stretches = [0, 1, 2].map(|k| dot_of_four(&u[k], &a[k]));
+    let u = [u1, u2, cross(&u1, &u2)];
+    let stretches = [0, 1, 2].map(|k| dot(&u[k], &a[k]));
     [0, 1, 2, 3].map(|lane| {
         let vector = |v: &FourVectors| [v[0].0[lane], v[1].0[lane], v[2].0[lane]];
         let matrix =
@@ -71,9 +72,9 @@ fn exchange_where_above(squares: [Lanes; 2], columns: &mut [FourVectors; 3], p: 
 /// Whether descending columns are at right angles but for rounding, and none but the last vanishes.
 #[inline(always)]
 fn are_orthogonal(a: &[FourVectors; 3]) -> [bool; LANES] {
-    let squares = a.map(|column| dot_of_four(&column, &column));
+    let squares = a.map(|column| dot(&column, &column));
     let products = [[0, 1], [0, 2], [1, 2]].map(|[p, q]| {
-        let product = dot_of_four(&a[p], &a[q]);
+        let product = dot(&a[p], &a[q]);
         [product * product, squares[p] * squares[q]]
     });
     [0, 1, 2, 3].map(|lane| {
@@ -88,7 +89,7 @@ fn are_orthogonal(a: &[FourVectors; 3]) -> [bool; LANES] {
 
 #[inline(always)]
 fn normalised(v: &FourVectors) -> FourVectors {
-    let scale = Lanes::splat(1.0) / dot_of_four(v, v).sqrt();
+    let scale = Lanes::splat(1.0) / dot(v, v).sqrt();
     v.map(|entry| entry * scale)
 }
 
@@ -103,8 +104,8 @@ pub(super) fn eigenvectors_of_one(m: &Matrix3<f64>) -> Matrix3<f64> {
 /// FᵀF.
 #[inline(always)]
 fn gram(f: &[FourVectors; 3]) -> [FourVectors; 3] {
-    let [xx, yy, zz] = f.map(|column| dot_of_four(&column, &column));
-    let [yz, zx, xy] = [[1, 2], [2, 0], [0, 1]].map(|[a, b]| dot_of_four(&f[a], &f[b]));
+    let [xx, yy, zz] = f.map(|column| dot(&column, &column));
+    let [yz, zx, xy] = [[1, 2], [2, 0], [0, 1]].map(|[a, b]| dot(&f[a], &f[b]));
     [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]
 }
 
@@ -114,9 +115,9 @@ fn eigenvectors(m: &[FourVectors; 3]) -> [FourVectors; 3] {
     let m = deviator(m);
     let first = isolated_eigenvector(&m);
     let [t, w] = complement(&first);
-    let (along_t, along_w) = (product_of_four(&m, &t), product_of_four(&m, &w));
-    let difference = dot_of_four(&w, &along_w) - dot_of_four(&t, &along_t);
-    let coupling = Lanes::splat(2.0) * dot_of_four(&t, &along_w);
+    let (along_t, along_w) = (product(&m, &t), product(&m, &w));
+    let difference = dot(&w, &along_w) - dot(&t, &along_t);
+    let coupling = Lanes::splat(2.0) * dot(&t, &along_w);
     let [cosine, sine] = smaller_turn(difference, coupling);
     let second = [0, 1, 2].map(|i| t[i] * cosine - w[i] * sine);
     let third = [0, 1, 2].map(|i| t[i] * sine + w[i] * cosine);
@@ -130,8 +131,8 @@ fn deviator(m: &[FourVectors; 3]) -> [FourVectors; 3] {
     let [[xx, xy, zx], [_, yy, yz], [_, _, zz]] = *m;
     let mean = (xx + yy + zz) * of(1.0 / 3.0);
     let [xx, yy, zz] = [xx - mean, yy - mean, zz - mean];
-    let squares = dot_of_four(&[xx, yy, zz], &[xx, yy, zz]);
-    let products = dot_of_four(&[yz, zx, xy], &[yz, zx, xy]);
+    let squares = dot(&[xx, yy, zz], &[xx, yy, zz]);
+    let products = dot(&[yz, zx, xy], &[yz, zx, xy]);
     let square = squares * of(1.0 / 6.0) + products * of(1.0 / 3.0);
     let scale = of(1.0) / (square + of(TINY)).sqrt();
     [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]].map(|column| column.map(|entry| entry * scale))
@@ -140,18 +141,18 @@ fn deviator(m: &[FourVectors; 3]) -> [FourVectors; 3] {
 /// The eigenvector of the eigenvalue of largest size.
 #[inline(always)]
 fn isolated_eigenvector(m: &[FourVectors; 3]) -> FourVectors {
-    let determinant = dot_of_four(&m[0], &cross_of_four(&m[1], &m[2]));
+    let determinant = dot(&m[0], &cross(&m[1], &m[2]));
     let root = isolated_root(determinant.abs().min(Lanes::splat(2.0))).copysign(determinant);
     let mut m = *m;
     for (k, column) in m.iter_mut().enumerate() {
         column[k] = column[k] - root;
     }
     // All of them are along the vector; the longest has kept most digits.
-    let mut longest = cross_of_four(&m[0], &m[1]);
-    let mut square = dot_of_four(&longest, &longest);
+    let mut longest = cross(&m[0], &m[1]);
+    let mut square = dot(&longest, &longest);
     for [a, b] in [[1, 2], [2, 0]] {
-        let other = cross_of_four(&m[a], &m[b]);
-        let other_square = dot_of_four(&other, &other);
+        let other = cross(&m[a], &m[b]);
+        let other_square = dot(&other, &other);
         longest = [0, 1, 2].map(|i| other_square.where_above(square, other[i], longest[i]));
         square = other_square.max(square);
     }
