@@ -7,6 +7,9 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Rim {
     /// Its length \[m\].
     pub circumference: f64,
+    /// Length of a thread drawn tight around it, seen along the normal of its plane \[m\]: of an even rim the circumference, which notches and shreds make longer and the thread
+    /// does not follow.
+    pub girth: f64,
     /// Area that it surrounds, seen along the normal of its plane \[m²\].
     pub area: f64,
     /// Its centroid, through which its plane goes \[m\].
@@ -48,8 +51,11 @@ impl Rim {
         }
         let normal = across * signed.signum();
         let away = corners.iter().map(|p| (p - centre).dot(&normal).abs());
+        let [u, v] = across_to(&normal);
+        let flat = corners.iter().map(|p| [p.dot(&u), p.dot(&v)]);
         Some(Self {
             circumference,
+            girth: hull_length(flat.collect()),
             area: signed.abs(),
             centre: centre.into(),
             normal: normal.into(),
@@ -68,6 +74,36 @@ impl Rim {
         );
         libm::atan2(sine, cosine)
     }
+}
+
+/// Two directions across a normal and each other, of length 1.
+fn across_to(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let least = Vector3::ith(normal.iamin(), 1.0);
+    let u = normal.cross(&least).normalize();
+    [u, normal.cross(&u)]
+}
+
+/// Length of the convex hull of points in a plane, by Andrew's monotone chains (1979).
+fn hull_length(mut points: Vec<[f64; 2]>) -> f64 {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let chain = |points: &mut dyn Iterator<Item = &[f64; 2]>| {
+        let mut hull: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while let [.., a, b] = hull[..] {
+                let turn = (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+                if turn > 0.0 {
+                    break;
+                }
+                hull.pop();
+            }
+            hull.push(*p);
+        }
+        let edges = hull.windows(2);
+        let lengths =
+            edges.map(|edge| libm::hypot(edge[1][0] - edge[0][0], edge[1][1] - edge[0][1]));
+        lengths.sum::<f64>()
+    };
+    chain(&mut points.iter()) + chain(&mut points.iter().rev())
 }
 
 #[cfg(test)]
@@ -129,6 +165,28 @@ mod tests {
         assert!((rim.circumference - 8.0 * (1.0 + h * h).sqrt()).abs() < 1e-14);
         assert!((rim.area - 4.0).abs() < 1e-14);
         assert!(rim.angle_to(normal().into()) < 1e-14);
+    }
+
+    /// A regular star of n points between two radii: the thread goes from tip to tip, 2 n R sin(π/n), as long as the notches lie within R cos(π/n); its edges are 2 n times
+    /// the distance of a tip from a notch. A regular polygon is its own hull.
+    #[test]
+    fn a_thread_around_a_rim_passes_its_notches() {
+        for (n, ratio) in [(5, 0.3), (12, 0.8), (7, 1.0)] {
+            let around = f64::from(2 * n);
+            let flat: Vec<Vector2<f64>> = (0..2 * n)
+                .map(|k| {
+                    let angle = 2.0 * PI * f64::from(k) / around;
+                    let radius = if k % 2 == 0 { 1.0 } else { ratio };
+                    Vector2::new(radius * libm::cos(angle), radius * libm::sin(angle))
+                })
+                .collect();
+            let rim = Rim::of(&placed(&flat, |_| 0.0)).expect("a line");
+            let side = (1.0 + ratio * ratio - 2.0 * ratio * libm::cos(2.0 * PI / around)).sqrt();
+            let corners = if ratio < 1.0 { f64::from(n) } else { around };
+            let girth = 2.0 * corners * libm::sin(PI / corners);
+            assert!((rim.circumference - around * side).abs() < 1e-12, "{rim:?}");
+            assert!((rim.girth - girth).abs() < 1e-12, "{} {girth}", rim.girth);
+        }
     }
 
     #[test]

@@ -103,6 +103,11 @@ impl<'a> VesselWall<'a> {
         self.held
     }
 
+    /// The region of the layer that surrounds the lumen.
+    pub fn lumen_region(&self) -> u32 {
+        self.lumen
+    }
+
     /// Where a node of the snapshot lies, by its row \[m\].
     pub(super) fn now(&self, row: u32) -> Vector3<f64> {
         place_of(self.positions, row as usize).into()
@@ -167,7 +172,7 @@ mod tests {
             let [_, y, z] = wall.at_rest(*row).into();
             assert!((libm::hypot(y, z) - tube.radii[0]).abs() < 1e-12);
         }
-        assert_eq!(wall.held_piece(), 0);
+        assert_eq!((wall.held_piece(), wall.lumen_region()), (0, 0));
         assert_eq!((wall.opened(0), wall.opened(1)), (0.0, 0.0));
 
         // Two strips around and three along, opened on both sides: flat, so as wide as chords.
