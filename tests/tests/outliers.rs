@@ -108,7 +108,12 @@ fn nothing_of_the_recorded_hand_is_left_out() {
 #[test]
 fn nothing_of_synthetic_trainees_is_left_out() {
     let folder = scratch();
-    for (module, levels) in [("touch-spheres", 5), ("push-strip", 4), ("coordination", 6)] {
+    for (module, levels) in [
+        ("touch-spheres", 5),
+        ("push-strip", 4),
+        ("coordination", 6),
+        ("diagonal-cut", 4),
+    ] {
         for level in 1..=levels {
             for profile in ["expert", "novice"] {
                 for seed in 1..=3 {

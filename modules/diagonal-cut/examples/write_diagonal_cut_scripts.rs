@@ -253,7 +253,7 @@ fn level_1() {
     straight.write("fail-wrong-size", 1.5);
 
     let mut half = begin("Cuts the near half of the vessel alone.");
-    half.bite(plane(CUT, MATCHING), -0.1);
+    half.bite(plane(CUT, MATCHING), -0.0);
     half.write("fail-not-cut", 1.5);
 
     let mut other = begin("Cuts into the larger vessel first.");
@@ -290,9 +290,9 @@ fn level_2() {
     let at = |x: f64, opening| forceps([x, 0.2 * x, 0.48], 0.98, opening);
     wall.go("left", 0.8, at(-2.0, 0.15));
     wall.go("left", 0.6, at(0.1, 0.15));
-    wall.go("left", 0.6, at(0.1, 0.02));
+    wall.go("left", 0.6, at(0.1, 0.035));
     wall.cut(plane(CUT, MATCHING));
-    wall.go("left", 0.8, at(-2.5, 0.02));
+    wall.go("left", 0.8, at(-2.5, 0.035));
     wall.write("fail-wall-gripped", 1.5);
 
     let mut twice = gripped(
@@ -361,7 +361,7 @@ fn level_4() {
     alone.write("fail-not-steadied", 1.5);
 
     let mut spread = begin("Tries to spread the end first.");
-    spread.spread(0.5);
+    spread.spread(0.33);
     end(spread, "fail-wrong-choice", right);
 }
 
