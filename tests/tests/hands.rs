@@ -130,7 +130,14 @@ fn players_are_functions_of_their_seed() {
     modules.dedup();
     assert_eq!(
         modules,
-        ["coordination", "guide-path", "push-strip", "touch-spheres"]
+        [
+            "coordination",
+            "diagonal-cut",
+            "dilatation",
+            "guide-path",
+            "push-strip",
+            "touch-spheres"
+        ]
     );
     for (stage, permitted) in &stages {
         for profile in permitted {

@@ -113,6 +113,8 @@ fn nothing_of_synthetic_trainees_is_left_out() {
         ("guide-path", 5),
         ("push-strip", 4),
         ("coordination", 6),
+        ("diagonal-cut", 4),
+        ("dilatation", 5),
     ] {
         for level in 1..=levels {
             for profile in ["expert", "novice"] {

@@ -12,7 +12,7 @@ use crate::input::{SourceSetup, source_setup};
 use crate::installed::{RunSetup, planned, probe};
 use crate::plan::{PlannedPart, PlannedPlugin, PluginKind, RunPlan};
 use crate::request::refuse;
-use microsim_message::{SetupFile, config_value};
+use microsim_message::{SetupFile, TISSUE_ELEMENTS, config_value};
 use microsim_settings as settings;
 use serde_json::Value;
 use settings::{
@@ -279,7 +279,9 @@ impl Planner<'_> {
                 let Some(config) = PhysicsConfig::new(level, &self.models) else {
                     return Ok(None);
                 };
+                let subscribed = &self.module.manifest.settings.subscribes;
                 let config = PhysicsConfig {
+                    elements: subscribed.iter().any(|kind| kind == TISSUE_ELEMENTS),
                     friction: !self.request.leaves_out("friction"),
                     cutting: !self.request.leaves_out("lonor"),
                     ..config

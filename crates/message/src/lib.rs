@@ -51,6 +51,12 @@ pub const TISSUE_SNAPSHOT: &str = "tissue.snapshot";
 /// `triangle` as in [`TISSUE_SNAPSHOT`]. Published once, in the first tick; whoever subscribes has it in every tick. Nodes that cuts make are not in it.
 pub const TISSUE_REST: &str = "tissue.rest";
 
+/// Kind of the blocks that carry what is known of a body beside its snapshot of the same tick, for those who measure layers: arrays `rest` (f64, 3 per node of the
+/// snapshot: where it lies in the mesh at rest, field frame, m), `triangle_region` (u32, one per triangle of the snapshot: the region of the element behind it), and of each
+/// element `region` (u32), `volume` (f64, at rest, m³) and `stretch` (f64, the largest principal one from the natural state, with what has flowed). Published in every tick of
+/// a run whose module subscribes to it.
+pub const TISSUE_ELEMENTS: &str = "tissue.elements";
+
 /// Every kind that the platform itself brings.
 pub fn core_kinds() -> Vec<KindInfo> {
     vec![
@@ -71,6 +77,11 @@ pub fn core_kinds() -> Vec<KindInfo> {
         },
         KindInfo {
             name: TISSUE_REST.into(),
+            version: 1,
+            overflow: Overflow::DropOldest,
+        },
+        KindInfo {
+            name: TISSUE_ELEMENTS.into(),
             version: 1,
             overflow: Overflow::DropOldest,
         },

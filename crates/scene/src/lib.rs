@@ -137,7 +137,7 @@ pub use spec::{
     IrrigationSpec, Jaw, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec, ObstacleSpec,
     PartnerSpec, SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
 };
-pub use stress::{cauchy_stresses, green_strains, von_mises};
+pub use stress::{cauchy_stresses, green_strains, largest_stretches, von_mises};
 pub use stretch_guard::TOO_LONG;
 pub use tool::ToolMotion;
 pub use validity::SolverBounds;

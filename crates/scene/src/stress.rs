@@ -57,6 +57,17 @@ pub fn green_strains(mesh: &TetMesh, positions: &[Vector3<f64>]) -> Vec<Matrix3<
     strains.collect()
 }
 
+/// Largest principal stretch from the natural state of each element of `mesh` with its nodes at `positions` \[m\], by the deformation of its corners; with what has flowed.
+pub fn largest_stretches(
+    mesh: &TetMesh,
+    positions: &[Vector3<f64>],
+) -> impl ExactSizeIterator<Item = f64> {
+    (0..mesh.tets.len()).map(|element| {
+        let f = deformation(mesh, element, positions);
+        (f.transpose() * f).symmetric_eigenvalues().max().sqrt()
+    })
+}
+
 /// Von Mises stress √(3/2 s:s) of a stress with deviator s, in its unit.
 pub fn von_mises(stress: &Matrix3<f64>) -> f64 {
     let deviator = stress - Matrix3::identity() * (stress.trace() / 3.0);
@@ -70,6 +81,7 @@ mod tests {
     use microsim_tissue::elements::ContinuumPlasticity;
     use microsim_tissue::law::LawName;
     use microsim_tissue::{Discretisation, Material, State, build_model, flow};
+    use nalgebra::Rotation3;
 
     fn cube(cells: [usize; 3]) -> TetMesh {
         let block = Block {
@@ -168,6 +180,12 @@ mod tests {
         for found in green_strains(&mesh, &positions) {
             assert!((found - expected).norm() < 1e-14, "{found}");
         }
+        // Turned as well, which is no stretch.
+        let turn = Rotation3::new(Vector3::new(0.3, -1.1, 0.7));
+        let turned: Vec<Vector3<f64>> = positions.iter().map(|p| turn * p).collect();
+        let found: Vec<f64> = largest_stretches(&mesh, &turned).collect();
+        assert_eq!(found.len(), mesh.tets.len());
+        assert!(found.iter().all(|of| (of - a).abs() < 1e-14), "{found:?}");
     }
 
     /// Stretched by a logarithmic strain of 0.3 at constant volume an incompressible deviator without hardening bears what it does at its yield

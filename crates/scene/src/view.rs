@@ -111,6 +111,11 @@ impl<'a> BodyView<'a> {
         &self.parts().opened
     }
 
+    /// The region of the element behind each triangle of its surface.
+    pub fn triangle_regions(&self) -> impl Iterator<Item = u32> + 'a {
+        self.parts().triangle_regions()
+    }
+
     /// The piece that each node is of: 0 of what was there before any came off, else the number under which it came off.
     pub fn pieces(&self) -> &'a [u32] {
         &self.parts().pieces.of_nodes

@@ -1,27 +1,45 @@
-//! What training modules measure of tissue: marks, grips, cuts, pieces, from messages about nodes, contact forces and cuts alone.
+//! What training modules measure of tissue: marks, grips, cuts, pieces, vessels, from messages about nodes, contact forces and cuts alone.
 
 mod body_forces;
 mod contacts;
 mod cuts;
 mod delivery;
+mod free_length;
+mod layer_grips;
 mod mark_line;
 mod marks;
+mod opening;
 mod patch;
+mod patency;
 mod path;
 mod pieces;
+mod rim;
 mod ring;
 mod shape;
+#[cfg(test)]
+mod test_tube;
+mod vessel_axis;
+mod vessel_wall;
+mod wall_injury;
 
 pub use body_forces::BodyForces;
 pub use contacts::{Contacts, Grasp, Grip, Releases};
 pub use cuts::{Assignment, CutFindings, CutLog};
 pub use delivery::{Delivered, Delivery};
+pub use free_length::FreeLength;
+pub use layer_grips::{LayerGrip, LayerGrips};
 pub use mark_line::MarkLine;
 pub use marks::{colour, mark_colour, mark_places, show_colour, show_mark};
+pub use opening::Opening;
 pub use patch::{Patch, PatchPlace};
+pub use patency::Patency;
 pub use pieces::{PieceView, Probes};
+pub use rim::Rim;
 pub use ring::Ring;
 pub use shape::{BodyShape, Loop};
+pub use vessel_axis::VesselAxis;
+pub use vessel_wall::VesselWall;
+pub use wall_injury::{LayerInjury, WallInjury};
 
 use crate::fault::Fault;
 use microsim_settings::ModuleConfig;

@@ -133,6 +133,9 @@ pub struct PhysicsConfig {
     pub friction: bool,
     /// Whether tissue can be divided, by a cut or by tearing.
     pub cutting: bool,
+    /// Whether what is known of elements is published beside the snapshots of bodies.
+    #[serde(default)]
+    pub elements: bool,
 }
 
 impl PhysicsConfig {
@@ -149,6 +152,7 @@ impl PhysicsConfig {
             models: models.clone(),
             friction: true,
             cutting: true,
+            elements: false,
         })
     }
 }

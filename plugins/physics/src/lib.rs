@@ -5,12 +5,12 @@
 
 use microsim_scene::{
     ContactPartner, ContactReport, CutReport, Executor, LevelParts, PartReport, Pose, RegionReport,
-    Scene, SolverReport, ToolMotion, level_spec,
+    Scene, SolverReport, ToolMotion, largest_stretches, level_spec,
 };
 use microsim_sdk::message::{
-    self, ContactForce, ContactForces, PartForce, PathPoints, RegionForce, SolverTick, TISSUE_REST,
-    TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolPlacement, ToolPlacements, ToolState,
-    ToolStates, ToolStatus, decode_bytes, encode,
+    self, ContactForce, ContactForces, PartForce, PathPoints, RegionForce, SolverTick,
+    TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolPlacement,
+    ToolPlacements, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -49,6 +49,8 @@ pub struct Physics {
     scene: Option<Scene>,
     memory: Memory,
     parallel: Parallel,
+    /// Whether what is known of elements is published.
+    elements: bool,
 }
 
 struct HostExecutor(Parallel);
@@ -138,6 +140,28 @@ impl Physics {
             .u32s("piece", scene.body(body).pieces().iter().copied())
             .u32s("triangle", triangles)
             .u32s("inner", inner);
+            tick.publish_block(block.finish());
+        }
+        if self.elements {
+            self.publish_elements(tick)?;
+        }
+        Ok(())
+    }
+
+    /// What is known of the elements of bodies beside their snapshots.
+    fn publish_elements(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let time = tick.time_ns();
+        for body in self.scene()?.bodies() {
+            let mesh = body.mesh();
+            let rest = body.rest_positions().iter().flat_map(|p| [p.x, p.y, p.z]);
+            let volumes = body.model().rest_volumes().iter().copied();
+            let stretches = largest_stretches(mesh, body.positions());
+            let block = BlockBuilder::new(TISSUE_ELEMENTS, body.name(), body.generation(), time)
+                .f64s("rest", rest)
+                .u32s("triangle_region", body.triangle_regions())
+                .u32s("region", mesh.regions.iter().copied())
+                .f64s("volume", volumes)
+                .f64s("stretch", stretches);
             tick.publish_block(block.finish());
         }
         Ok(())
@@ -283,6 +307,7 @@ impl Plugin for Physics {
         checked.map_err(|error| Fault::new(error.to_string()))?;
         self.scene = Some(scene);
         self.parallel = services.parallel;
+        self.elements = config.elements;
         Ok(())
     }
 

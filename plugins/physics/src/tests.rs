@@ -13,6 +13,11 @@ const TICK_NS: u64 = 8_000_000;
 
 /// The physics of the first level of push-strip.
 fn physics() -> TestHost<Physics> {
+    physics_with(|_| {})
+}
+
+/// The same with a configuration that is changed.
+fn physics_with(change: impl FnOnce(&mut PhysicsConfig)) -> TestHost<Physics> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     let module = root.join("modules/push-strip");
     let manifest = load_manifest(&module.join("module.toml")).expect("a manifest");
@@ -32,7 +37,8 @@ fn physics() -> TestHost<Physics> {
         let shape = load_tool(&root.join(format!("config/tools/{}.toml", slot.model)));
         models.insert(slot.model.clone(), shape.expect("a tool").settings);
     }
-    let config = PhysicsConfig::new(&level, &models).expect("physics");
+    let mut config = PhysicsConfig::new(&level, &models).expect("physics");
+    change(&mut config);
     let setup = Setup {
         name: "physics".into(),
         seed: 1,
@@ -45,6 +51,7 @@ fn physics() -> TestHost<Physics> {
     let publishes = [
         "tissue.snapshot",
         "tissue.rest",
+        "tissue.elements",
         "contact.forces",
         "tissue.recovery",
         "tissue.cut",
@@ -98,6 +105,32 @@ fn a_body_at_rest_is_known_though_the_first_snapshot_has_moved() {
         assert!(block(&second, "tissue.snapshot").is_some());
         host.reset().expect("a reset");
     }
+}
+
+/// The level states a block of 12 x 4 x 2 mm of one region, which sags: its volume at rest is that of its sides, and something of it is stretched. Nodes lie at rest
+/// where the block of the body at rest has them. Without being asked for nothing is published.
+#[test]
+fn what_is_known_of_elements_is_published_where_it_is_asked_for() {
+    let first = physics().tick().expect("a tick");
+    assert!(block(&first, "tissue.elements").is_none());
+    let mut host = physics_with(|config| config.elements = true);
+    let first = host.tick().expect("a tick");
+    let [elements, rest, now] = ["tissue.elements", "tissue.rest", "tissue.snapshot"]
+        .map(|kind| block(&first, kind).expect("a block"));
+    let of = |view: &BlockView<'_>| (view.name(), view.generation(), view.time_ns());
+    assert_eq!(of(&elements), of(&now));
+    assert_eq!(elements.f64s("rest"), rest.f64s("position"));
+    let triangles = now.u32s("triangle").expect("triangles").len() / 3;
+    let regions = elements.u32s("triangle_region").expect("regions");
+    assert_eq!(regions, vec![0; triangles]);
+    let volumes = elements.f64s("volume").expect("volumes");
+    let volume: f64 = volumes.iter().sum();
+    assert!((volume / 96e-9 - 1.0).abs() < 1e-12, "{volume}");
+    assert_eq!(elements.u32s("region"), Some(&vec![0; volumes.len()][..]));
+    let stretches = elements.f64s("stretch").expect("stretches");
+    assert_eq!(stretches.len(), volumes.len());
+    let largest = stretches.iter().copied().fold(0.0, f64::max);
+    assert!(largest > 1.0 + 1e-6 && largest < 1.1, "{largest}");
 }
 
 /// A probe is pushed onto the strip, which is of one region: part and region bear what the contact does, along the path down.

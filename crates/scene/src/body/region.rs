@@ -37,6 +37,22 @@ impl SurfaceRegions {
 }
 
 impl Body {
+    /// The region of the element behind each triangle of the surface.
+    pub(crate) fn triangle_regions(&self) -> impl Iterator<Item = u32> + '_ {
+        let region = |of: &SurfaceTriangle| self.mesh.regions[of.element as usize];
+        let triangles = self.surface.triangles.iter().enumerate();
+        triangles.map(move |(index, nodes)| match &self.surface_regions {
+            SurfaceRegions::One(region) => *region,
+            // Both lists are of one order.
+            SurfaceRegions::Cut => region(&self.triangles[index]),
+            SurfaceRegions::Fixed(at) => {
+                let mut there = at[nodes[0] as usize].iter();
+                let same = there.find(|t| nodes.iter().all(|node| t.nodes.contains(node)));
+                region(same.expect("it is of this surface"))
+            }
+        })
+    }
+
     /// The regions of the surface at a vertex, on an edge or on a triangle, given by its nodes, each with its weight in what acts there: by the
     /// areas at rest of the triangles that have all these nodes, and evenly by triangles where none has an area. Ascending; the weights sum up to 1.
     pub(crate) fn region_weights(&self, nodes: &[u32]) -> Vec<(u32, f64)> {
@@ -149,6 +165,14 @@ mod tests {
                 body.region_weights(&[node(-1e-3, 0.0), border[0]]),
                 [(3, 1.0)]
             );
+            // A triangle of the surface lies on one side of x = 0, as its element does.
+            let left = |t: &[u32; 3]| {
+                let x = |node: &u32| body.mesh.positions[*node as usize].x;
+                t.iter().map(x).sum::<f64>() < 0.0
+            };
+            let by_place = body.surface.triangles.iter();
+            let by_place: Vec<u32> = by_place.map(|t| if left(t) { 3 } else { 7 }).collect();
+            assert_eq!(body.triangle_regions().collect::<Vec<_>>(), by_place);
             let triangles = body.surface.triangles.iter();
             let beside = triangles.filter(|t| border.iter().all(|node| t.contains(node)));
             let of: Vec<_> = beside.map(|t| body.region_weights(t)).collect();

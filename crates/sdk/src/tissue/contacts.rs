@@ -54,17 +54,10 @@ impl Contacts {
         holders: &[String],
         counts: bool,
     ) -> Result<(), Fault> {
-        let forces = tick.messages::<ContactForces>()?;
-        let solver = tick.messages::<SolverTick>()?;
-        if !forces.is_empty() && solver.is_empty() {
-            return Err(Fault::new(
-                "contact.forces without tissue.solver, which tells whether they mean anything: the manifest has to subscribe to both",
-            ));
-        }
-        if solver.iter().any(|solver| !solver.valid) {
+        let Some(forces) = valid_forces(tick)? else {
             // All stays as it was in the last tick that means something.
             return Ok(());
-        }
+        };
         let of_it = |contact: &&ContactForce| contact.body == body;
         let contacts: Vec<&ContactForce> = forces
             .iter()
@@ -124,6 +117,19 @@ impl Contacts {
         let mut on = self.on.iter();
         on.any(|(other, pieces)| other == name && pieces.contains(&piece))
     }
+}
+
+/// The contacts of a tick; `None` where its forces mean nothing.
+pub(super) fn valid_forces(tick: &Tick<'_>) -> Result<Option<Vec<ContactForces>>, Fault> {
+    let forces = tick.messages::<ContactForces>()?;
+    let solver = tick.messages::<SolverTick>()?;
+    if !forces.is_empty() && solver.is_empty() {
+        return Err(Fault::new(
+            "contact.forces without tissue.solver, which tells whether they mean anything: the manifest has to subscribe to both",
+        ));
+    }
+    let valid = solver.iter().all(|solver| solver.valid);
+    Ok(valid.then_some(forces))
 }
 
 /// Whether jaws hold tissue: they grip it, and it moves with them. Tissue that lies on jaws is not gripped, and what slides along
