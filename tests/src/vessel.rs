@@ -12,6 +12,7 @@
 //! - [`newton`]: roots of functions of one and of a few unknowns.
 
 pub mod carotid;
+pub mod flattened_ring;
 pub mod incompressible;
 pub mod layers;
 pub mod newton;

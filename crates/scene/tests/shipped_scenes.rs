@@ -75,6 +75,12 @@ fn a_carotid_inflates_opens_and_draws_back_as_a_tube_without_elements() {
     assert_met(&["carotid-inflate", "ring-open", "carotid-divide"]);
 }
 
+/// In contact with two bars, against a ring solved without elements (`tests/src/vessel/flattened_ring.rs`).
+#[test]
+fn a_tube_is_flattened_between_two_lines() {
+    assert_met(&["tube-flattened"]);
+}
+
 /// In contact, and stretched between clamps.
 #[test]
 fn a_carotid_is_gripped_and_pulled() {

@@ -7,6 +7,7 @@ use microsim_tests::repository;
 use microsim_tests::vessel::carotid::{
     INNER_RADIUS, OPENED_RADIUS, OPENING, PRESSURE, STRETCH, layers,
 };
+use microsim_tests::vessel::flattened_ring::FlattenedRing;
 use microsim_tests::vessel::layers::Layer;
 use microsim_tests::vessel::radial::Profile;
 use microsim_tests::vessel::tube::Tube;
@@ -125,4 +126,27 @@ fn the_slit_ring_is_that_of_the_tube() {
     // The middle of the wall stays in its place where the face is held.
     let aside = middle(&place) - middle(&open) + open.inside.radius * cosine + place.inside.radius;
     assert_near(expected(&scene, "edge-aside") * 1e3, aside * 1e3);
+}
+
+/// Of its mean radius, as the bars of radius 10 mm leave it: their axes are as far apart as two of them, the height of the ring and its wall.
+#[test]
+fn the_flattened_tube_is_that_of_the_ring() {
+    let scene = scene("tube-flattened");
+    let body = &scene.body[0];
+    let wall = body.layer[0].thickness;
+    let radius = body.inner_radius.unwrap_or_default() + 0.5 * wall;
+    let bar = scene.tool[0].capsule[0].radius;
+    let last = scene.tool[0].motion.last().expect("it moves");
+    let height = 2.0 * (last.position[1] - bar) - wall;
+    let ring = FlattenedRing::at_height(height / (2.0 * radius));
+    let material = &body.material[0];
+    assert_eq!(material.poisson_ratio, Some(0.0));
+    let length = body.length.unwrap_or_default();
+    let stiffness = material.youngs_modulus.unwrap_or_default() * length * wall.powi(3) / 12.0;
+    let force = ring.load * stiffness / (radius * radius);
+    assert_near(expected(&scene, "force") * 1e6, force * 1e6);
+    assert_near(
+        expected(&scene, "width") * 1e3,
+        (ring.width - 1.0) * radius * 1e3,
+    );
 }
