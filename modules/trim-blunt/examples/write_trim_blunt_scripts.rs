@@ -16,7 +16,7 @@ const ON_MEDIA: f64 = 0.95;
 const PINCHED: [f64; 2] = [0.75, 0.68];
 
 /// Jaws that hold the vessel by all of its wall: of an artery, and of a vein.
-const CRUSHED: [f64; 2] = [0.27, 0.22];
+const CRUSHED: [f64; 2] = [0.27, 0.23];
 
 /// Thinner than that is the wall of a vein \[m\].
 const VEIN: f64 = 0.1e-3;
