@@ -241,6 +241,9 @@ table! {
         /// Of one that slides: largest force across the surface over the force with which it is pressed together; the layers stay on each other where
         /// they are pulled apart, too.
         friction: Option<f64> = quantity(Unit::Ratio, 0.0, 10.0),
+        /// Of one that slides: force per area across the surface that it takes besides, however it is pressed \[Pa\]: tissue between the layers that holds
+        /// up to it and is drawn along beyond.
+        shear_strength: f64 = quantity(Unit::Pressure, 0.0, 1e9) => 0.0,
         /// Of one that clings: force per area from which on it softens \[Pa\].
         strength: Option<f64> = quantity(Unit::Pressure, 1.0, 1e9),
         /// Of one that clings: energy per area that it takes off \[J/m²\], at least strength²/(2 stiffness).

@@ -191,6 +191,9 @@ fn check_coupling(reading: &mut Reading, key: &KeyPath, coupling: &Value) {
         reading.complain(&key.key(second), &found, expected);
         return;
     }
+    if reading.is_written(&key.key("shear_strength")) {
+        needs(reading, key, "shear_strength", "friction");
+    }
     match ["strength", "energy"].map(|name| reading.is_written(&key.key(name))) {
         [true, false] => needs(reading, key, "strength", "energy"),
         [false, true] => needs(reading, key, "energy", "strength"),

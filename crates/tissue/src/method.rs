@@ -233,6 +233,7 @@ mod tests {
         let slides = SlidingConstants {
             stiffness_per_area,
             friction: 0.2,
+            shear_strength: 0.0,
         };
         let sets: [Arc<dyn Elements>; 2] = [
             Arc::new(couple(&mesh, from, to, &clings).unwrap()),

@@ -106,6 +106,7 @@ fn kind(coupling: &settings::Coupling) -> CouplingKind {
         return CouplingKind::Sliding(SlidingConstants {
             stiffness_per_area,
             friction,
+            shear_strength: coupling.shear_strength,
         });
     }
     let bond = match (coupling.strength, coupling.energy) {

@@ -60,6 +60,7 @@ fn sliding() -> CouplingKind {
     CouplingKind::Sliding(SlidingConstants {
         stiffness_per_area: 1e8,
         friction: 0.2,
+        shear_strength: 0.0,
     })
 }
 

@@ -56,13 +56,16 @@ pub struct SlidingConstants {
     pub stiffness_per_area: f64,
     /// Coefficient of friction μ, ≥ 0.
     pub friction: f64,
+    /// τ: force per area that resists however the layers are pressed \[Pa\], ≥ 0.
+    pub shear_strength: f64,
 }
 
 impl SlidingConstants {
     /// Whether all values are in range.
     pub fn check(&self) -> Result<(), MaterialError> {
         positive("stiffness_per_area", self.stiffness_per_area, "> 0 N/m³")?;
-        not_negative("friction", self.friction, ">= 0")
+        not_negative("friction", self.friction, ">= 0")?;
+        not_negative("shear_strength", self.shear_strength, ">= 0 Pa")
     }
 }
 

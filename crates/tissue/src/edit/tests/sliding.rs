@@ -44,6 +44,7 @@ fn sliding_ties_are_found_where_they_have_come_and_follow_a_cut() {
     let constants = SlidingConstants {
         stiffness_per_area: 1e3,
         friction: 0.2,
+        shear_strength: 0.0,
     };
     let set = couple_sliding(&mesh, 7, 3, &constants).unwrap();
     let mut model = body(&mesh, set);
@@ -115,6 +116,7 @@ fn ties_beyond_a_rim_are_held_or_free_as_before_a_cut() {
     let constants = SlidingConstants {
         stiffness_per_area: 1e3,
         friction: 0.2,
+        shear_strength: 0.0,
     };
     // A column of three of the nine ties, of a quarter of the area, goes beyond the rim at 1.5.
     for (beyond, held, area) in [(0.95 * reach, 9, 1.0), (1.2 * reach, 6, 0.75)] {

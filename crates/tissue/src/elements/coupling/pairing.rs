@@ -75,12 +75,7 @@ pub fn couple_sliding(
     constants.check().map_err(CoupleError::Constants)?;
     let pairs = pairs(mesh, from, to, constants.stiffness_per_area)?;
     let layer = Layer::new(mesh, to);
-    Ok(Sliding::new(
-        layer,
-        &pairs,
-        constants.friction,
-        &mesh.positions,
-    ))
+    Ok(Sliding::new(layer, &pairs, constants, &mesh.positions))
 }
 
 /// The ties of an interface, each with the number of its triangle among all of the boundary of `to`.

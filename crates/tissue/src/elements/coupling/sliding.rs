@@ -13,8 +13,9 @@
 //! Points, n and b are those of the start: forces have a potential that is convex, and its tangent is exact. Once the step is accepted
 //! ([`Elements::flow`]) the point of a tie that slides follows until |d_t| = b, on a straightest path across the faces, with the
 //! surface as it is then; the work k b per length of this path is lost. Then n is that of the face that was reached, and b is
-//! μ max(0, −d_n): Coulomb's bound for the force with which the layers are pressed together now, so the friction of a step is that of the
-//! pressure at its start. Layers that are pulled apart stay on each other without friction. A tie whose point leaves the
+//! τ/K + μ max(0, −d_n) with K the stiffness per area: the shear strength τ of what joins the layers, which slides on at that stress and does not wear, and
+//! Coulomb's bound for the force with which they are pressed together now, so the friction of a step is that of the
+//! pressure at its start. Layers that are pulled apart stay on each other, and slide against τ alone. A tie whose point leaves the
 //! layer by more than a quarter of an edge, the mean one before any cut, is free for ever.
 //!
 //! A face has another tetrahedron behind it: [`TissueModel::relocate`](crate::TissueModel::relocate) then gives the tie other nodes.
@@ -28,7 +29,7 @@
 //! faces of the other. An edit of the mesh looks at the whole layer.
 
 use super::layer::{GOES_ON, Layer};
-use super::{Stencil, Support, Tie, coordinates};
+use super::{SlidingConstants, Stencil, Support, Tie, coordinates};
 use crate::elements::key::Key;
 use crate::elements::splice::{Inherited, make_room, splice};
 use crate::elements::{
@@ -182,16 +183,19 @@ pub struct Sliding {
     layer: Arc<Layer>,
     slides: Vec<Slide>,
     friction: f64,
+    /// τ/K \[m\]: what a tie without pressure sticks over.
+    least_bound: f64,
 }
 
 impl Sliding {
-    /// Ties on faces of a layer, by their numbers; `friction` is μ.
+    /// Ties on faces of a layer, by their numbers.
     pub(super) fn new(
         layer: Layer,
         ties: &[(Tie, u32)],
-        friction: f64,
+        constants: &SlidingConstants,
         positions: &[Vector3<f64>],
     ) -> Self {
+        let least_bound = constants.shear_strength / constants.stiffness_per_area;
         let slides = ties.iter().map(|(tie, face)| {
             let (corners, normal) = (
                 layer.corners(*face, positions),
@@ -209,7 +213,7 @@ impl Sliding {
                     weights: weights(&stencil),
                     height,
                     normal,
-                    bound: 0.0,
+                    bound: least_bound,
                     lost: 0.0,
                 },
             }
@@ -217,7 +221,8 @@ impl Sliding {
         Self {
             slides: slides.collect(),
             layer: Arc::new(layer),
-            friction,
+            friction: constants.friction,
+            least_bound,
         }
     }
 
@@ -273,7 +278,7 @@ impl Sliding {
             (after.face, after.weights) = (f64::from(face), [b, c, d]);
         }
         after.normal = normal;
-        after.bound = self.friction * (point - x).dot(&normal).max(0.0);
+        after.bound = self.least_bound + self.friction * (point - x).dot(&normal).max(0.0);
         after
     }
 
@@ -336,6 +341,7 @@ impl Sliding {
             layer: Arc::new(layer),
             slides,
             friction: self.friction,
+            least_bound: self.least_bound,
         };
         (followed, ancestors)
     }

@@ -22,9 +22,15 @@ fn layers() -> TetMesh {
 const UPPER: usize = 7 * 4 * 2;
 
 fn sliding(mesh: &TetMesh) -> Sliding {
+    joined(mesh, 0.0)
+}
+
+/// As [`sliding`], with a shear strength.
+fn joined(mesh: &TetMesh, shear_strength: f64) -> Sliding {
     let constants = SlidingConstants {
         stiffness_per_area: 5.0,
         friction: FRICTION,
+        shear_strength,
     };
     couple_sliding(mesh, 1, 0, &constants).unwrap()
 }
@@ -221,6 +227,35 @@ fn the_work_of_a_slide_is_friction_times_path() {
     let path = 0.6 - FRICTION * PRESSED;
     let expected = FRICTION * normal_force * path;
     assert!((set.dissipated(&internal) / expected - 1.0).abs() < 1e-12);
+}
+
+/// The interface is 1 × 1: a shear strength of 0.2 bears a force of 0.2 and that of the pressure besides, sticks over 0.2/5, and takes 0.2 per length.
+#[test]
+fn a_layer_that_is_joined_slides_at_its_shear_strength_and_friction() {
+    let (mesh, strength) = (layers(), 0.2);
+    let mut set = joined(&mesh, strength);
+    let reach = strength / 5.0;
+    for (lifted, friction) in [
+        (PRESSED, 0.0),
+        (0.0, 0.0),
+        (-PRESSED, FRICTION * PRESSED * 5.0),
+    ] {
+        let mut internal = set.initial_internal();
+        step(&mut set, &moved(&mesh, [0.0, 0.0, lifted]), &mut internal);
+        let [force, _] = forces(&set, &moved(&mesh, [0.9 * reach, 0.0, lifted]), &internal);
+        assert!((force.x + 0.9 * strength).abs() < 1e-14, "{force}");
+        for by in [0.1, 0.3, 0.6] {
+            let x = moved(&mesh, [by, 0.0, lifted]);
+            let [force, sum] = forces(&set, &x, &internal);
+            assert!((force.x + strength + friction).abs() < 1e-14, "{force}");
+            assert!(sum.norm() < 1e-14);
+            step(&mut set, &x, &mut internal);
+        }
+        // What is stored where it sticks has not slid.
+        let path = 0.6 - reach - friction / 5.0;
+        let expected = (strength + friction) * path;
+        assert!((set.dissipated(&internal) / expected - 1.0).abs() < 1e-12);
+    }
 }
 
 #[test]
