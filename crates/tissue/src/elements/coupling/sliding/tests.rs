@@ -233,13 +233,13 @@ fn the_work_of_a_slide_is_friction_times_path() {
 #[test]
 fn a_layer_that_is_joined_slides_at_its_shear_strength_and_friction() {
     let (mesh, strength) = (layers(), 0.2);
-    let mut set = joined(&mesh, strength);
     let reach = strength / 5.0;
     for (lifted, friction) in [
         (PRESSED, 0.0),
         (0.0, 0.0),
         (-PRESSED, FRICTION * PRESSED * 5.0),
     ] {
+        let mut set = joined(&mesh, strength);
         let mut internal = set.initial_internal();
         step(&mut set, &moved(&mesh, [0.0, 0.0, lifted]), &mut internal);
         let [force, _] = forces(&set, &moved(&mesh, [0.9 * reach, 0.0, lifted]), &internal);
