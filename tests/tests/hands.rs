@@ -136,7 +136,8 @@ fn players_are_functions_of_their_seed() {
             "dilatation",
             "guide-path",
             "push-strip",
-            "touch-spheres"
+            "touch-spheres",
+            "trim-blunt"
         ]
     );
     for (stage, permitted) in &stages {

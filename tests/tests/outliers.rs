@@ -115,6 +115,7 @@ fn nothing_of_synthetic_trainees_is_left_out() {
         ("coordination", 6),
         ("diagonal-cut", 4),
         ("dilatation", 5),
+        ("trim-blunt", 4),
     ] {
         for level in 1..=levels {
             for profile in ["expert", "novice"] {
