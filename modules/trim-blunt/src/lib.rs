@@ -1,7 +1,7 @@
 //! Blunt trimming of a vessel's end (dissertation, 5.2.2, Trimm-Modul 1): the loose adventitia is pushed back along the media with
 //! forceps and stays where it was pushed.
 //!
-//! All that is measured comes from the physics plugin: surfaces of the layers, stretches of elements, forces in newtons, tears. Region
+//! All that is measured comes from the physics plugin: surfaces of the layers, stretches of elements, forces in newtons. Region
 //! 0 of the body is its media, region 1 its adventitia. Not here: what a level allows, which its limits state.
 
 #![forbid(unsafe_code)]
@@ -12,7 +12,7 @@ mod state;
 use bare::{Bare, Keys};
 use microsim_sdk::message::{
     ContactForces, LocalText, ObjectSet, Pose, SolverTick, TISSUE_ELEMENTS, TISSUE_SNAPSHOT,
-    TissueCut, ToolStates, ToolStatus,
+    ToolStates, ToolStatus,
 };
 use microsim_sdk::tissue::{VesselAxis, VesselWall, colour, mark_places, show_colour, tissue_of};
 use microsim_sdk::{
@@ -83,16 +83,10 @@ impl TrimBlunt {
             return Ok(());
         };
         state.bare = Bare::of(&wall);
-        let cuts = tick.messages::<TissueCut>()?;
-        let cuts: Vec<TissueCut> = cuts.into_iter().filter(|c| c.body == self.body).collect();
         let solver = tick.messages::<SolverTick>()?;
         let valid = solver.iter().all(|solver| solver.valid) && run.is_running();
-        state.injury.update(&elements, &wall, &cuts, valid);
-        if run.is_running() && cuts.iter().any(|cut| cut.valid) && !state.torn {
-            state.torn = true;
-            let text = LocalText::new("Gewebe eingerissen", "Tissue torn");
-            run.event(tick, "tear", text);
-        }
+        // Nothing tears in these levels.
+        state.injury.update(&elements, &wall, &[], valid);
         Ok(())
     }
 
@@ -183,9 +177,6 @@ impl TrimBlunt {
         if let Some(media) = state.injury.layer(MEDIA) {
             run.measure("media-injury", media.fraction);
         }
-        let torn = [MEDIA, ADVENTITIA].map(|layer| state.injury.layer(layer));
-        let torn = torn.into_iter().flatten().map(|layer| layer.torn);
-        run.measure("torn", torn.sum());
     }
 }
 

@@ -50,8 +50,6 @@ pub struct State {
     pub(crate) contacts: Contacts,
     pub(crate) grips: LayerGrips,
     pub(crate) injury: WallInjury,
-    /// Whether anything has torn.
-    pub(crate) torn: bool,
     pub(crate) bare: Option<Bare>,
     /// Whether the end was as bare as asked for at any time.
     pub(crate) reached: bool,
@@ -69,7 +67,6 @@ impl State {
             contacts: Contacts::default(),
             grips: LayerGrips::of(&[MEDIA]),
             injury: WallInjury::of(&layers),
-            torn: false,
             bare: None,
             reached: false,
             stay: Dwell::new(keys.stay)?,
