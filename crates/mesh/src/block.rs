@@ -1,4 +1,4 @@
-//! The block generator: cells of six tetrahedra (NUMERICS 5).
+//! The block generator: cells of six or five tetrahedra (NUMERICS 5).
 
 use crate::cell_split::cell_tets;
 use crate::{CellSplit, Layer, TetMesh};
@@ -88,7 +88,7 @@ impl std::fmt::Display for BlockError {
 impl std::error::Error for BlockError {}
 
 impl Block {
-    /// The mesh of the block: nodes in x-fastest order, six tetrahedra per cell.
+    /// The mesh of the block: nodes in x-fastest order, six or five tetrahedra per cell.
     pub fn mesh(&self) -> Result<TetMesh, BlockError> {
         let sizes_valid = self.size.iter().all(|s| s.is_finite() && *s > 0.0);
         if !sizes_valid || !self.center.iter().all(|c| c.is_finite()) {
@@ -120,7 +120,7 @@ impl Block {
         }
 
         let node = |[i, j, k]: [usize; 3]| ((k * (ny + 1) + j) * (nx + 1) + i) as u32;
-        let mut tets = Vec::with_capacity(6 * nx * ny * nz);
+        let mut tets = Vec::with_capacity(self.split.tetrahedra() * nx * ny * nz);
         for k in 0..nz {
             for j in 0..ny {
                 for i in 0..nx {
@@ -161,7 +161,7 @@ impl Block {
             p.z = heights[node / ((nx + 1) * (ny + 1))];
         }
         for (element, region) in mesh.regions.iter_mut().enumerate() {
-            *region = regions[element / (6 * nx * ny)];
+            *region = regions[element / (self.split.tetrahedra() * nx * ny)];
         }
         Ok(mesh)
     }
@@ -175,7 +175,7 @@ mod tests {
     fn blocks() -> Vec<Block> {
         let mut blocks = Vec::new();
         for cells in [[1, 1, 1], [2, 1, 1], [3, 2, 4], [20, 4, 2]] {
-            for split in [CellSplit::Kuhn, CellSplit::Mirrored] {
+            for split in CellSplit::ALL {
                 blocks.push(Block {
                     center: [0.003, -0.001, 0.0],
                     size: [0.02, 0.004, 0.001],
@@ -189,11 +189,17 @@ mod tests {
 
     #[test]
     fn layers_have_their_thickness_cells_and_regions() {
+        for split in CellSplit::ALL {
+            assert_layers(split);
+        }
+    }
+
+    fn assert_layers(split: CellSplit) {
         let block = Block {
             center: [0.0, 0.0, 1.0],
             size: [2.0, 3.0, 0.5],
             cells: [2, 1, 3],
-            split: CellSplit::Kuhn,
+            split,
         };
         let layer = |thickness, cells, region| Layer {
             thickness,
@@ -208,7 +214,8 @@ mod tests {
         };
         assert!((volume(7) - 2.4).abs() < 1e-14 && (volume(3) - 0.6).abs() < 1e-14);
         let count = |region| mesh.regions.iter().filter(|r| **r == region).count();
-        assert_eq!((count(7), count(3)), (12, 24));
+        let per_layer = 2 * split.tetrahedra();
+        assert_eq!((count(7), count(3)), (per_layer, 2 * per_layer));
         let mut heights: Vec<f64> = mesh.positions.iter().map(|p| p.z).collect();
         heights.sort_by(f64::total_cmp);
         heights.dedup();
@@ -234,10 +241,16 @@ mod tests {
             let mesh = block.mesh().unwrap();
             let cells: usize = block.cells.iter().product();
             let volume: f64 = block.size.iter().product();
-            assert_eq!(mesh.tets.len(), 6 * cells);
-            for v in mesh.volumes() {
-                // Six equal tetrahedra per cell; a few roundings of coordinates that are small against the cell's.
-                assert!((v * (6 * cells) as f64 / volume - 1.0).abs() < 1e-12, "{v}");
+            // Parts of the volume of a cell.
+            let parts: &[f64] = match block.split {
+                CellSplit::Kuhn | CellSplit::Mirrored => &[1.0 / 6.0; 6],
+                CellSplit::Five => &[1.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0],
+            };
+            assert_eq!(mesh.tets.len(), parts.len() * cells);
+            for (v, part) in mesh.volumes().iter().zip(parts.iter().cycle()) {
+                // A few roundings of coordinates that are small against the cell's.
+                let found = v * cells as f64 / volume;
+                assert!((found / part - 1.0).abs() < 1e-12, "{v}");
             }
             let sum: f64 = mesh.volumes().iter().sum();
             assert!((sum / volume - 1.0).abs() < 1e-13);
@@ -300,15 +313,19 @@ mod tests {
         a.dot(&b.cross(&c)) / 6.0
     }
 
-    /// Block of nx·ny·nz cells: edges along the axes, one diagonal per face, one per cell.
+    /// Block of nx·ny·nz cells: edges along the axes, one diagonal per face, and one per cell of six tetrahedra.
     #[test]
     fn unique_edges_are_counted_by_formula() {
         for block in blocks() {
             let mesh = block.mesh().unwrap();
             let [x, y, z] = block.cells;
             let axes = x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z;
-            let diagonals = x * y * (z + 1) + x * (y + 1) * z + (x + 1) * y * z + x * y * z;
-            assert_eq!(mesh.edges().len(), axes + diagonals);
+            let diagonals = x * y * (z + 1) + x * (y + 1) * z + (x + 1) * y * z;
+            let within = match block.split {
+                CellSplit::Kuhn | CellSplit::Mirrored => x * y * z,
+                CellSplit::Five => 0,
+            };
+            assert_eq!(mesh.edges().len(), axes + diagonals + within);
         }
         let cube = Block {
             center: [0.0; 3],

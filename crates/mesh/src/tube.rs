@@ -1,9 +1,9 @@
 //! The tube generator: walls of vessels (dissertation 4.1, NUMERICS 5).
 //!
 //! The section is a polygon whose corners lie on the exact radii; its area is less than the ring's by the factor
-//! sin(2π/n)/(2π/n). Six tetrahedra per cell. With five, a ring of an odd number of cells cannot be closed.
+//! sin(2π/n)/(2π/n). Six tetrahedra per cell, or five; a ring of an odd number of cells closes only with six that are all alike.
 
-use crate::cell_split::cell_tets;
+use crate::cell_split::{cell_tets, is_mirrored};
 use crate::{CellSplit, Surface, TetMesh};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -129,7 +129,7 @@ pub enum TubeError {
         /// Cells along.
         along: usize,
     },
-    /// Mirrored cells in a ring of an odd number.
+    /// Cells that are mirrored in a ring of an odd number.
     OddRing {
         /// Cells around.
         around: usize,
@@ -172,8 +172,8 @@ impl std::fmt::Display for TubeError {
 impl std::error::Error for TubeError {}
 
 impl Tube {
-    /// The mesh of the tube. Nodes run through the wall first, then along, then around; so do the cells, six elements
-    /// each. Every layer has the region it names.
+    /// The mesh of the tube. Nodes run through the wall first, then along, then around; so do the cells, six or five
+    /// elements each. Every layer has the region it names.
     pub fn mesh(&self) -> Result<TetMesh, TubeError> {
         self.check()?;
         let cells_through: usize = self.layers.iter().map(|layer| layer.cells).sum();
@@ -208,7 +208,7 @@ impl Tube {
             .iter()
             .flat_map(|layer| std::iter::repeat_n(layer.region, layer.cells))
             .collect();
-        let elements = 6 * self.around * self.along * cells_through;
+        let elements = self.split.tetrahedra() * self.around * self.along * cells_through;
         let mut tets = Vec::with_capacity(elements);
         let mut regions = Vec::with_capacity(elements);
         for a in 0..self.around {
@@ -336,7 +336,7 @@ impl Tube {
                 along: self.along,
             });
         }
-        if self.split == CellSplit::Mirrored && self.arc == Arc::Full && self.around % 2 == 1 {
+        if is_mirrored(self.split) && self.arc == Arc::Full && self.around % 2 == 1 {
             return Err(TubeError::OddRing {
                 around: self.around,
             });

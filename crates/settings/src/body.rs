@@ -25,7 +25,7 @@ table! {
         generator: Generator,
         /// Of a block \[m\]: its sides.
         size: Option<[f64; 3]> = size3(),
-        /// Of a block: cells along each side; each cell is six tetrahedra.
+        /// Of a block: cells along each side; each cell is six tetrahedra, or five.
         cells: Option<[u32; 3]> [1, 500],
         /// Of a tube: name of a file in config/vessels, without its extension. It gives what the body does not state: `axial_stretch`,
         /// `inner_radius`, `toughness`, `thickness`, `opening_angle` and `region` of each layer, whose number and order are those of the
@@ -53,7 +53,7 @@ table! {
         axial_stretch: f64 = axial_stretch() => 1.0,
         /// Of a tube \[Pa\]: pressure inside less that outside with which it is in equilibrium at the start; a load on its inner surface bears it.
         transmural_pressure: f64 = quantity(Unit::Pressure, -1e5, 1e6) => 0.0,
-        /// Of a block or tube: how cells are cut, `kuhn` (all alike, if left out) or `mirrored`.
+        /// Of a block or tube: how cells are cut, `kuhn` (all alike, if left out), `mirrored` or `five`.
         split: Option<CellSplit>,
         /// Of a file: its path from the folder of this one, which it lies in or below. Tetrahedra: .msh, .vtk, .vtu, .node with .ele; closed
         /// surfaces: .obj, .stl.
@@ -107,7 +107,7 @@ impl Body {
         }
     }
 
-    /// Number of tetrahedra before any `refine`, if that stands in the settings: six per cell.
+    /// Number of tetrahedra before any `refine`, if that stands in the settings.
     pub fn elements(&self) -> Option<u64> {
         let cells: u64 = match self.generator {
             Generator::Block => self.cells?.into_iter().map(u64::from).product(),
@@ -117,7 +117,7 @@ impl Body {
             }
             Generator::File => return None,
         };
-        Some(6 * cells)
+        Some(self.split.unwrap_or_default().tetrahedra() as u64 * cells)
     }
 }
 

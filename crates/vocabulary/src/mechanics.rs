@@ -242,5 +242,18 @@ terms! {
         /// Every second cell along each axis is the mirror image of its neighbour, so that the diagonals alternate and no
         /// direction is preferred. A ring needs an even number of cells.
         Mirrored = "mirrored",
+        /// Five tetrahedra: one in the middle of the cell and four at its corners, mirrored as well. Of a wall with fibres linear elements are most
+        /// accurate so. A ring needs an even number of cells.
+        Five = "five",
+    }
+}
+
+impl CellSplit {
+    /// Number of tetrahedra of a cell.
+    pub const fn tetrahedra(self) -> usize {
+        match self {
+            Self::Kuhn | Self::Mirrored => 6,
+            Self::Five => 5,
+        }
     }
 }

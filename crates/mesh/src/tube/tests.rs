@@ -163,6 +163,13 @@ fn impossible_tubes_are_refused() {
             },
             "even numbers, not 9",
         ),
+        (
+            Tube {
+                split: CellSplit::Five,
+                ..good.clone()
+            },
+            "even numbers, not 9",
+        ),
     ];
     for (tube, part) in cases {
         let text = tube.mesh().unwrap_err().to_string();
@@ -232,11 +239,11 @@ fn tubes() -> impl Strategy<Value = Tube> {
         3..12usize,
         1..6usize,
         prop::option::of((-7.0..7.0f64, 0.1..6.2f64)),
-        any::<bool>(),
+        prop::sample::select(CellSplit::ALL.to_vec()),
     )
         .prop_filter_map(
             "an axis too short",
-            |(axis, layers, inner_radius, length, around, along, sector, mirrored)| {
+            |(axis, layers, inner_radius, length, around, along, sector, split)| {
                 let axis_length = Vector3::from(axis).norm();
                 (axis_length > 0.1).then(|| {
                     let closed = sector.is_none();
@@ -254,7 +261,7 @@ fn tubes() -> impl Strategy<Value = Tube> {
                             })
                             .collect(),
                         length,
-                        around: if mirrored && closed {
+                        around: if split != CellSplit::Kuhn && closed {
                             2 * around
                         } else {
                             around
@@ -262,11 +269,7 @@ fn tubes() -> impl Strategy<Value = Tube> {
                         along,
                         arc: sector
                             .map_or(Arc::Full, |(start, angle)| Arc::Sector { start, angle }),
-                        split: if mirrored {
-                            CellSplit::Mirrored
-                        } else {
-                            CellSplit::Kuhn
-                        },
+                        split,
                     }
                 })
             },

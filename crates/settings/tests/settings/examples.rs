@@ -35,6 +35,11 @@ fn a_level_is_read_in_si() {
     assert_eq!(level.body[0].cells, Some([20, 4, 2]));
     assert_eq!(level.body[0].elements(), Some(6 * 20 * 4 * 2));
     assert_eq!(level.body[1].elements(), Some(6 * 12 * 40 * 3));
+    let five = Body {
+        split: Some(CellSplit::Five),
+        ..level.body[1].clone()
+    };
+    assert_eq!(five.elements(), Some(5 * 12 * 40 * 3));
     assert_eq!(level.body[0].material[0].stretch_modulus, Some(25e3));
     let held = level.body[0].clamp[0].nodes;
     assert_eq!(held.min, Some([-0.011, -0.003, -0.002]));
