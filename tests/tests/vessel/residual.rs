@@ -1,7 +1,8 @@
 //! The residual state: where the natural state of a wall is found from, that it is in equilibrium, how it opens and how it retracts.
 
 use crate::law::{directions, law_of};
-use crate::slice::{Cells, Part, Slice};
+use crate::slice::{Cells, LEVEL, Part, Slice};
+use microsim_mesh::CellSplit;
 use microsim_tests::vessel::carotid::{OPENED_RADIUS, OPENING, PRESSURE, STRETCH, layers};
 use microsim_tests::vessel::layers::Layer;
 use microsim_tests::vessel::radial::Profile;
@@ -79,27 +80,13 @@ fn stretches_are_found_from_the_place() {
     }
 }
 
-/// One cell a layer and 20 around, as levels have them, and finer ones.
-fn cells(through: usize) -> Cells {
-    Cells {
-        through,
-        around: 20 * through,
-    }
-}
-
 /// What a slice of the carotid with its opening angle, at its mean pressure and stretch, comes to: relative errors of the inner radius there, without
 /// pressure, and with the axial stretch that leaves no force; and of that stretch.
-fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
+fn errors(discretisation: Discretisation, cells: Cells) -> [f64; 4] {
     let layers = grown(0.49, [OPENING; 2]);
     let tube = Tube::new(&layers);
     let place = tube.at_stretch(PRESSURE, STRETCH);
-    let mut slice = Slice::new(
-        &layers,
-        &place,
-        Part::Quarter,
-        cells(through),
-        discretisation,
-    );
+    let mut slice = Slice::new(&layers, &place, Part::Quarter, cells, discretisation);
     let inner = |slice: &Slice, exact: &Profile| slice.radii()[0] / exact.inside.radius - 1.0;
     slice.load(PRESSURE, 1.0);
     let at_rest = inner(&slice, &place);
@@ -119,7 +106,7 @@ fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
     let stretch = -0.01 * force / (slice.force() - force);
     let errors = [at_rest, empty, divided, stretch];
     println!(
-        "{} {through}: {:?} %",
+        "{} {cells:?}: {:?} %",
         discretisation.name(),
         errors.map(|e| 100.0 * e)
     );
@@ -132,7 +119,7 @@ fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
 fn assert_residual_state(discretisation: Discretisation, meshes: &[usize], recorded: [f64; 4]) {
     let errors: Vec<[f64; 4]> = meshes
         .iter()
-        .map(|cells| errors(discretisation, *cells))
+        .map(|through| errors(discretisation, mirrored(*through)))
         .collect();
     for (i, recorded) in recorded.into_iter().enumerate() {
         assert!(errors[0][i].abs() < recorded, "{i}: {:?}", errors[0]);
@@ -160,16 +147,70 @@ fn the_residual_state_of_quadratic_tetrahedra_is_that_of_the_tube() {
     assert_residual_state(Discretisation::QuadraticPressure, &[1], recorded);
 }
 
+/// A vessel of a level, as those of `config/vessels` are: it lies without pressure, stretched between clamps, with its opening angle. The largest errors of
+/// radius and axial force from there to 16 kPa.
+fn level_errors(split: CellSplit) -> [f64; 2] {
+    let layers = grown(0.49, [OPENING; 2]);
+    let tube = Tube::new(&layers);
+    let place = tube.at_stretch(0.0, STRETCH);
+    let cells = Cells { split, ..LEVEL };
+    let mut slice = Slice::new(
+        &layers,
+        &place,
+        Part::Ring,
+        cells,
+        Discretisation::Selective,
+    );
+    let mut largest = [0.0_f64; 2];
+    for k in 0..=16 {
+        let pressure = 1e3 * f64::from(k);
+        slice.load(pressure, 1.0);
+        let exact = tube.at_stretch(pressure, STRETCH);
+        largest[0] = largest[0].max((slice.radii()[0] / exact.inside.radius - 1.0).abs());
+        largest[1] = largest[1].max((slice.force() / exact.force - 1.0).abs());
+    }
+    println!(
+        "level in place, {split:?}: {:?} %",
+        largest.map(|e| 100.0 * e)
+    );
+    largest
+}
+
+/// Of the radius 1 %, which is what is asked of the mesh of a level. Recorded: 0.8 %, and 3.2 % of the force; mirrored cells miss it with 1.9 % and 6.8 %.
+#[test]
+fn the_vessel_of_a_level_is_within_one_per_cent_of_its_place() {
+    let [five, mirrored] = [CellSplit::Five, CellSplit::Mirrored].map(level_errors);
+    assert!(five[0] < 0.01, "{five:?}");
+    assert!(
+        mirrored[0] > 2.0 * five[0] && mirrored[1] > 2.0 * five[1],
+        "{five:?} {mirrored:?}"
+    );
+}
+
+/// A wall that is stated in place under its pressure lies less well: domains around edges average prestretches whose axes turn around the wall. `recorded`
+/// are no derived bounds, as above.
+#[test]
+fn the_wall_of_a_level_under_pressure_is_near_its_place() {
+    let found = errors(Discretisation::Selective, Cells { along: 4, ..LEVEL });
+    for (error, recorded) in found.iter().zip([0.008, 0.022, 0.018, 0.004]) {
+        assert!(error.abs() < recorded, "{found:?}");
+    }
+}
+
+fn mirrored(through: usize) -> Cells {
+    Cells::equal(through, CellSplit::Mirrored)
+}
+
 /// How far a slit ring of the unloaded carotid opens, over what it should.
-fn opening(discretisation: Discretisation, through: usize, openings: [f64; 2]) -> f64 {
+fn opening(discretisation: Discretisation, cells: Cells, openings: [f64; 2]) -> f64 {
     let layers = grown(0.49, openings);
     let tube = Tube::new(&layers);
     let (place, slit) = (tube.at_force(0.0, 0.0), tube.slit());
-    let mut slice = Slice::new(&layers, &place, Part::Slit, cells(through), discretisation);
+    let mut slice = Slice::new(&layers, &place, Part::Slit, cells, discretisation);
     slice.load(0.0, slit.inside.along / place.inside.along);
     let ratio = (TAU - slice.angle()) / (TAU - slit.inside.angle);
     println!(
-        "{} {through} {openings:?}: {:.1} %",
+        "{} {cells:?} {openings:?}: {:.1} %",
         discretisation.name(),
         100.0 * ratio
     );
@@ -181,10 +222,19 @@ fn opening(discretisation: Discretisation, through: usize, openings: [f64; 2]) -
 fn a_slit_ring_opens_by_its_opening_angle() {
     for openings in [[OPENING; 2], [OPENING, 1.0]] {
         let [coarse, fine] = [1, 2]
-            .map(|through| opening(Discretisation::QuadraticPressure, through, openings) - 1.0);
+            .map(mirrored)
+            .map(|cells| opening(Discretisation::QuadraticPressure, cells, openings) - 1.0);
         assert!(coarse.abs() < 0.035, "{coarse}");
         assert!(fine.abs() < 0.5 * coarse.abs(), "{coarse} {fine}");
     }
+}
+
+/// Two cells through the media and five tetrahedra in each, as levels have them, open it to 80 %, twice as far as one cell a layer; recorded, within 0.02.
+#[test]
+fn a_slit_ring_of_the_cells_of_a_level_opens_less() {
+    let cells = Cells { along: 4, ..LEVEL };
+    let found = opening(Discretisation::Selective, cells, [OPENING; 2]);
+    assert!((found - 0.80).abs() < 0.02, "{found}");
 }
 
 /// Linear tetrahedra are too stiff in bending, which is all that opens a ring: with one or two cells a layer it opens by much less. As the
@@ -197,8 +247,9 @@ fn a_slit_ring_of_linear_tetrahedra_opens_less() {
         (Discretisation::Selective, 0.42),
         (Discretisation::PatchPressure, 0.36),
     ] {
-        let [coarse, middle, fine] =
-            [1, 2, 4].map(|through| 1.0 - opening(discretisation, through, [OPENING; 2]));
+        let [coarse, middle, fine] = [1, 2, 4]
+            .map(mirrored)
+            .map(|cells| 1.0 - opening(discretisation, cells, [OPENING; 2]));
         assert!((coarse - 1.0 + recorded).abs() < 0.02, "{coarse}");
         assert!(
             middle < 0.5 * coarse && fine < 0.35 * middle,
