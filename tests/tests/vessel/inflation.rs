@@ -264,7 +264,7 @@ fn assert_level(slice: &mut Slice, tube: &Tube, along: f64) {
     println!("level, {along}: radius {radius:.2} %, force {force:.2} %");
 }
 
-/// All of the vessel at the stretch that it has in the body. At less it would bend like a column under its pressure, as it should.
+/// All of the vessel at the stretch that it has in the body. At less its axial force is below p π r², and it bends like a column.
 #[test]
 fn the_vessel_of_a_level_is_within_one_per_cent() {
     let layers = layers(0.49, INNER_RADIUS, 0.0);

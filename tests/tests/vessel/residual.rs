@@ -82,17 +82,11 @@ fn stretches_are_found_from_the_place() {
 
 /// What a slice of the carotid with its opening angle, at its mean pressure and stretch, comes to: relative errors of the inner radius there, without
 /// pressure, and with the axial stretch that leaves no force; and of that stretch.
-fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
+fn errors(discretisation: Discretisation, cells: Cells) -> [f64; 4] {
     let layers = grown(0.49, [OPENING; 2]);
     let tube = Tube::new(&layers);
     let place = tube.at_stretch(PRESSURE, STRETCH);
-    let mut slice = Slice::new(
-        &layers,
-        &place,
-        Part::Quarter,
-        Cells::equal(through, CellSplit::Mirrored),
-        discretisation,
-    );
+    let mut slice = Slice::new(&layers, &place, Part::Quarter, cells, discretisation);
     let inner = |slice: &Slice, exact: &Profile| slice.radii()[0] / exact.inside.radius - 1.0;
     slice.load(PRESSURE, 1.0);
     let at_rest = inner(&slice, &place);
@@ -112,7 +106,7 @@ fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
     let stretch = -0.01 * force / (slice.force() - force);
     let errors = [at_rest, empty, divided, stretch];
     println!(
-        "{} {through}: {:?} %",
+        "{} {cells:?}: {:?} %",
         discretisation.name(),
         errors.map(|e| 100.0 * e)
     );
@@ -125,7 +119,7 @@ fn errors(discretisation: Discretisation, through: usize) -> [f64; 4] {
 fn assert_residual_state(discretisation: Discretisation, meshes: &[usize], recorded: [f64; 4]) {
     let errors: Vec<[f64; 4]> = meshes
         .iter()
-        .map(|cells| errors(discretisation, *cells))
+        .map(|through| errors(discretisation, mirrored(*through)))
         .collect();
     for (i, recorded) in recorded.into_iter().enumerate() {
         assert!(errors[0][i].abs() < recorded, "{i}: {:?}", errors[0]);
@@ -153,32 +147,53 @@ fn the_residual_state_of_quadratic_tetrahedra_is_that_of_the_tube() {
     assert_residual_state(Discretisation::QuadraticPressure, &[1], recorded);
 }
 
-/// A vessel of a level, as those of `config/vessels` are: it lies without pressure, stretched between clamps, with its opening angle. From there to 16 kPa
-/// the radius is within 1 %, which is what is asked of the mesh of a level. Recorded: 0.8 %, and 3.2 % of the force; with mirrored cells 1.9 % and 6.9 %.
-#[test]
-fn the_vessel_of_a_level_is_within_one_per_cent_of_its_place() {
+/// A vessel of a level, as those of `config/vessels` are: it lies without pressure, stretched between clamps, with its opening angle. The largest errors of
+/// radius and axial force from there to 16 kPa.
+fn level_errors(split: CellSplit) -> [f64; 2] {
     let layers = grown(0.49, [OPENING; 2]);
     let tube = Tube::new(&layers);
     let place = tube.at_stretch(0.0, STRETCH);
+    let cells = Cells { split, ..LEVEL };
     let mut slice = Slice::new(
         &layers,
         &place,
         Part::Ring,
-        LEVEL,
+        cells,
         Discretisation::Selective,
     );
+    let mut largest = [0.0_f64; 2];
     for k in 0..=16 {
         let pressure = 1e3 * f64::from(k);
         slice.load(pressure, 1.0);
         let exact = tube.at_stretch(pressure, STRETCH);
-        let radius = slice.radii()[0] / exact.inside.radius - 1.0;
-        let force = slice.force() / exact.force - 1.0;
-        println!(
-            "level, {k} kPa: {:+.2} %, {:+.2} %",
-            100.0 * radius,
-            100.0 * force
-        );
-        assert!(radius.abs() < 0.01, "{pressure} Pa: {radius}");
+        largest[0] = largest[0].max((slice.radii()[0] / exact.inside.radius - 1.0).abs());
+        largest[1] = largest[1].max((slice.force() / exact.force - 1.0).abs());
+    }
+    println!(
+        "level in place, {split:?}: {:?} %",
+        largest.map(|e| 100.0 * e)
+    );
+    largest
+}
+
+/// Of the radius 1 %, which is what is asked of the mesh of a level. Recorded: 0.8 %, and 3.2 % of the force; mirrored cells miss it with 1.9 % and 6.8 %.
+#[test]
+fn the_vessel_of_a_level_is_within_one_per_cent_of_its_place() {
+    let [five, mirrored] = [CellSplit::Five, CellSplit::Mirrored].map(level_errors);
+    assert!(five[0] < 0.01, "{five:?}");
+    assert!(
+        mirrored[0] > 2.0 * five[0] && mirrored[1] > 2.0 * five[1],
+        "{five:?} {mirrored:?}"
+    );
+}
+
+/// A wall that is stated in place under its pressure lies less well: domains around edges average prestretches whose axes turn around the wall. `recorded`
+/// are no derived bounds, as above.
+#[test]
+fn the_wall_of_a_level_under_pressure_is_near_its_place() {
+    let found = errors(Discretisation::Selective, Cells { along: 4, ..LEVEL });
+    for (error, recorded) in found.iter().zip([0.008, 0.022, 0.018, 0.004]) {
+        assert!(error.abs() < recorded, "{found:?}");
     }
 }
 
