@@ -28,10 +28,10 @@ pub trait Number:
     fn select_above(self, limit: f64, yes: Self, no: Self) -> Self;
 
     /// Natural logarithm.
-    fn ln(self) -> Self;
+    fn natural_log(self) -> Self;
 
     /// Cube root.
-    fn cbrt(self) -> Self;
+    fn cube_root(self) -> Self;
 
     /// 2ⁿ of a whole number n, −1022 to 1023.
     fn power_of_two(self) -> Self;
@@ -71,12 +71,12 @@ impl Number for f64 {
     }
 
     #[inline(always)]
-    fn ln(self) -> Self {
+    fn natural_log(self) -> Self {
         libm::log(self)
     }
 
     #[inline(always)]
-    fn cbrt(self) -> Self {
+    fn cube_root(self) -> Self {
         libm::cbrt(self)
     }
 
@@ -109,12 +109,12 @@ impl Number for Lanes {
     }
 
     #[inline(always)]
-    fn ln(self) -> Self {
+    fn natural_log(self) -> Self {
         Self(self.0.map(libm::log))
     }
 
     #[inline(always)]
-    fn cbrt(self) -> Self {
+    fn cube_root(self) -> Self {
         Self(self.0.map(libm::cbrt))
     }
 

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 /// Halvings of the interval in which the next joint lies: below rounding.
 const HALVINGS: u32 = 60;
-/// Share of the second harmonic in the first's amplitude: a wire that is no mere wave.
+/// Amplitude of the second harmonic over that of the first \[-\]: a wire that is no mere wave.
 const HARMONIC: f64 = 0.4;
 
 /// How a wire is bent.

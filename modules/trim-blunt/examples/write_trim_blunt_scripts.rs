@@ -12,7 +12,7 @@ const OPENING_PER_GAP: f64 = 1.0 / 3.74e-3;
 /// Jaws that push: so far apart that they touch the media, whose section is a polygon, at its corners.
 const ON_MEDIA: f64 = 0.95;
 
-/// Jaws that push the end of the media with them: of an artery, and of a vein, whose thin wall gives way.
+/// Jaws that push the end of the media with them: of an artery, and of a vein, whose thin wall yields.
 const PINCHED: [f64; 2] = [0.75, 0.68];
 
 /// Jaws that hold the vessel by all of its wall: of an artery, and of a vein.

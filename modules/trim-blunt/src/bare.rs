@@ -1,6 +1,6 @@
 //! How far the media of the end is bare, and what a level asks of that.
 
-use crate::{ADVENTITIA, MEDIA};
+use crate::layers::{ADVENTITIA, MEDIA};
 use microsim_sdk::tissue::{FreeLength, VesselWall};
 use serde::{Deserialize, Serialize};
 

@@ -7,9 +7,11 @@
 #![forbid(unsafe_code)]
 
 mod bare;
+mod layers;
 mod state;
 
 use bare::{Bare, Keys};
+use layers::MEDIA;
 use microsim_sdk::message::{
     ContactForces, LocalText, ObjectSet, Pose, SolverTick, TISSUE_ELEMENTS, TISSUE_SNAPSHOT,
     ToolStates, ToolStatus,
@@ -27,10 +29,6 @@ const CLAMP: &str = "clamp";
 
 /// The only target.
 const BARE: &str = "bare";
-
-/// The region of the media, and that of the adventitia.
-const MEDIA: u32 = 0;
-const ADVENTITIA: u32 = 1;
 
 /// The module.
 #[derive(Debug)]

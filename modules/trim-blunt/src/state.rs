@@ -1,7 +1,7 @@
 //! What evolves in a run.
 
 use crate::bare::{Bare, Keys};
-use crate::{ADVENTITIA, MEDIA};
+use crate::layers::{ADVENTITIA, MEDIA};
 use microsim_sdk::message::Colour;
 use microsim_sdk::tissue::{Contacts, LayerGrips, VesselAxis, WallInjury, colour};
 use microsim_sdk::{BlockView, Fault};

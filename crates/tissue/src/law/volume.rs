@@ -12,7 +12,7 @@ pub(super) fn log_volume<N: Number>(j: N) -> N {
     let at = j.most(N::of(SMALLEST_VOLUME));
     let slope = N::of(1.0) / at;
     let below = j - at;
-    at.ln() + below * slope - N::of(0.5) * (below * slope) * (below * slope)
+    at.natural_log() + below * slope - N::of(0.5) * (below * slope) * (below * slope)
 }
 
 /// Its first two derivatives.
@@ -29,7 +29,7 @@ pub(super) fn log_volume_slopes<N: Number>(j: N) -> [N; 2] {
 pub(super) fn volume_power<N: Number>(j: N) -> [N; 3] {
     let of = N::of;
     let at = j.most(of(SMALLEST_VOLUME));
-    let root = at.cbrt();
+    let root = at.cube_root();
     let power = of(1.0) / (root * root);
     let slope = of(-2.0 / 3.0) * power / at;
     let curvature = of(-5.0 / 3.0) * slope / at;
