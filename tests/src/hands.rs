@@ -146,7 +146,7 @@ impl Player {
     }
 }
 
-/// Every level with tools and a script that passes it, with the profiles that it permits, in the order of their names.
+/// Every level with tools, tissue whose place players know and a script that passes it, with the profiles that it permits, in the order of their names.
 ///
 /// # Errors
 /// The file that cannot be read.
@@ -164,7 +164,8 @@ pub fn stages() -> Result<Vec<(Stage, Vec<Profile>)>, String> {
             if !stage::level_file(&module, level).is_file() {
                 break;
             }
-            if !stage::passing_script(&module, level).is_file() {
+            if !stage::passing_script(&module, level).is_file() || !stage::is_known(&module, level)?
+            {
                 continue;
             }
             let stage = Stage::read(&module, level)?;

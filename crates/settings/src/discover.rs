@@ -179,16 +179,20 @@ fn check_used_plugins(
     }
 }
 
-/// The levels in a folder by their number, which runs from 1 without holes.
+/// The folder, beside levels, of their meshes.
+const MESHES: &str = "meshes";
+
+/// The levels in a folder by their number, which runs from 1 without holes. Meshes that they name lie in a folder beside them.
 fn levels(folder: &Path, errors: &mut Vec<ConfigError>) -> Vec<PathBuf> {
     let mut numbered: Vec<(u32, PathBuf)> = Vec::new();
     for path in entries(folder, errors) {
         match level_number(&file_name(&path)) {
             Some(number) => numbered.push((number, path)),
+            None if path.is_dir() && file_name(&path) == MESHES => {}
             None => errors.push(whole_file(
                 &path,
                 "a file that is no level",
-                "only level<N>.toml here, with N from 1",
+                "only level<N>.toml here, with N from 1, and the folder `meshes`",
             )),
         }
     }

@@ -107,6 +107,20 @@ pub fn passing_script(module: &str, level: u32) -> PathBuf {
     tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"))
 }
 
+/// Whether players know where the tissue of a level lies: its first body is a block, or it has none. They do not play on vessels yet.
+///
+/// # Errors
+/// The file that cannot be read, and why.
+pub fn is_known(module: &str, level: u32) -> Result<bool, String> {
+    let path = level_file(module, level);
+    let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let file: Table = text
+        .parse()
+        .map_err(|e| format!("{}: {e}", path.display()))?;
+    let body = file.get("body").and_then(|bodies| bodies.get(0));
+    Ok(body.is_none_or(|body| body.get("generator").and_then(Value::as_str) == Some("block")))
+}
+
 impl Stage {
     /// Of a level of the built tree.
     ///

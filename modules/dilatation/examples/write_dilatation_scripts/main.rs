@@ -333,9 +333,11 @@ fn main() {
     let module = Path::new(env!("CARGO_MANIFEST_DIR"));
     let scripts = module.join("scripts");
     for level in levels() {
-        let mesh = module.join("levels").join(format!("{}.vtk", level.mesh));
+        let mesh = module
+            .join("levels/meshes")
+            .join(format!("{}.vtk", level.mesh));
         let text = level.vessel.vtk(&level.frame);
-        std::fs::write(mesh, text).expect("the levels folder can be written");
+        std::fs::write(mesh, text).expect("the folder of meshes can be written");
         let pass = level.pass();
         let write = |name: &str, doc: &str, of: Variant<'_>| level.write(&scripts, name, doc, of);
         write("pass", "Holds, enters closed, spreads and withdraws.", pass);
