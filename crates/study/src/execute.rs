@@ -311,6 +311,9 @@ pub(crate) fn ready(
             if !limit.is_finite() {
                 return Err("no step is planned for a method without a stability limit".into());
             }
+            if limit == 0.0 {
+                return Err("the method is unstable at every step without damping".into());
+            }
             run.step = fraction * limit;
         }
     }

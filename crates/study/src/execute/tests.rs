@@ -1,7 +1,7 @@
 use super::*;
 use crate::plan::groups;
 use crate::row::Against;
-use crate::testing::in_context;
+use crate::testing::{beam, in_context};
 use microsim_scene::scene_spec;
 use microsim_settings::Override;
 use std::path::Path;
@@ -77,6 +77,15 @@ fn steps_of_a_share_are_those_of_the_plan() {
     // 0.5 and 1.5 of one limit, each shortened to a whole number in the scene's duration: by less than one sample in 100.
     let ratio = result.rows[1].step / result.rows[0].step;
     assert!((ratio - 3.0).abs() < 0.05, "{ratio}");
+}
+
+/// Explicit Euler amplifies every undamped vibration at any step: its limit is 2ζ/ω = 0 (NUMERICS 3), and no fraction of it is a step.
+#[test]
+fn a_method_that_is_unstable_at_every_step_is_not_applicable() {
+    let loaded = beam(&["method={name=\"explicit-euler\"}".into()]).expect("a scene");
+    let refused = ready(loaded, Some(PlannedStep::LimitFraction(0.5))).err();
+    let reason = refused.expect("no step");
+    assert!(reason.contains("unstable at every step"), "{reason}");
 }
 
 /// The shipped tube of node-smoothed elements at ν = 0.45: it drifts away for want of stiffness, and was 27,986 % off with
