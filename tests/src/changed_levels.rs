@@ -1,12 +1,12 @@
 //! The built tree with the levels of a module changed.
 
 use crate::{command, finish, scratch, tree};
-use serde_json::Value;
 use std::fmt::Write as _;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::Command;
+use toml::{Table, Value};
 
 /// A tree of its own, gone with this value. All but the levels are links.
 #[derive(Debug)]
@@ -46,8 +46,13 @@ impl ChangedLevels {
         fs::create_dir(own.join("levels")).expect("a folder");
         for entry in fs::read_dir(of_tree.join("levels")).expect("the levels") {
             let path = entry.expect("an entry").path();
-            let text = fs::read_to_string(&path).expect("a level");
             let file = own.join("levels").join(path.file_name().expect("a name"));
+            if path.is_dir() {
+                // Meshes.
+                symlink(&path, file).expect("a link");
+                continue;
+            }
+            let text = fs::read_to_string(&path).expect("a level");
             fs::write(file, change(&text)).expect("a level");
         }
         Self {
@@ -69,7 +74,7 @@ impl ChangedLevels {
 
     /// `microsim run MODULE --json ARGS…` on this tree; its standard output.
     #[track_caller]
-    pub fn run(&self, session: &Path, args: &[&str]) -> Value {
+    pub fn run(&self, session: &Path, args: &[&str]) -> serde_json::Value {
         let mut command = self.command(&["run", &self.module, "--json", "--session"]);
         finish(command.arg(session).args(args)).expect(0).json()
     }
@@ -111,6 +116,35 @@ pub fn crippled(level: &str) -> String {
     level.lines().map(line).collect()
 }
 
+/// The level with tissue that does not flow: without the tables `plasticity` of its materials.
+///
+/// # Panics
+/// If it is no level.
+pub fn without_plasticity(level: &str) -> String {
+    without_key(level, "material", "plasticity")
+}
+
+/// The level with layers that slide on each other with no more than their friction.
+///
+/// # Panics
+/// If it is no level.
+pub fn without_shear_strength(level: &str) -> String {
+    without_key(level, "coupling", "shear_strength")
+}
+
+/// The level without a key of the tables `of` of its bodies.
+fn without_key(level: &str, of: &str, key: &str) -> String {
+    let mut table: Table = level.parse().expect("TOML");
+    let bodies = table.get_mut("body").and_then(Value::as_array_mut);
+    for body in bodies.into_iter().flatten() {
+        let entries = body.get_mut(of).and_then(Value::as_array_mut);
+        for entry in entries.into_iter().flatten() {
+            entry.as_table_mut().map(|entry| entry.remove(key));
+        }
+    }
+    table.to_string()
+}
+
 fn has_iterations(level: &str) -> bool {
     level.contains("\niterations = ")
 }
@@ -128,6 +162,14 @@ pub const CHANGES: [Change; 4] = [
     ("finer mesh", finer),
 ];
 
+/// The same but for the mesh, which vessels have from generators and files of their own kinds. Half the tick also where there is no tissue: what a module does with its
+/// tools is then computed twice as often.
+pub const COMPUTATIONS: [Change; 3] = [
+    CHANGES[0],
+    CHANGES[1],
+    (CHANGES[2].0, |level| scaled_lines(level, "tick", 0.5)),
+];
+
 /// By how much the finer mesh has more cells along each axis: two where there were one or two, half as many again where there were more.
 fn finer_cells(cells: u32) -> u32 {
     match cells {
@@ -138,6 +180,14 @@ fn finer_cells(cells: u32) -> u32 {
 
 /// The level with the number in the lines of a key multiplied; its unit stays.
 fn scaled(level: &str, key: &str, factor: f64) -> String {
+    match has_iterations(level) {
+        true => scaled_lines(level, key, factor),
+        false => level.to_owned(),
+    }
+}
+
+/// The same, whether its method has iterations or not.
+fn scaled_lines(level: &str, key: &str, factor: f64) -> String {
     changed(level, key, |value| {
         let number: String = value
             .chars()
@@ -150,6 +200,9 @@ fn scaled(level: &str, key: &str, factor: f64) -> String {
 
 /// The level with more cells in each direction.
 fn finer(level: &str) -> String {
+    if !has_iterations(level) {
+        return level.to_owned();
+    }
     changed(level, "cells", |value| {
         let list = value.trim().trim_start_matches('[').trim_end_matches(']');
         let cells = list
@@ -162,9 +215,6 @@ fn finer(level: &str) -> String {
 
 /// The level with the value of each line `key = value` changed.
 fn changed(level: &str, key: &str, change: impl Fn(&str) -> String) -> String {
-    if !has_iterations(level) {
-        return level.to_owned();
-    }
     let mut out = String::new();
     let mut found = false;
     for line in level.lines() {
@@ -196,6 +246,25 @@ mod tests {
         assert_eq!(changed, expected.parse().expect("TOML"));
     }
 
+    /// All else stays, and so does a level without any.
+    #[test]
+    fn one_key_is_left_out() {
+        let rest = "[[body]]\nname = \"vessel\"\n[[body.material]]\nregion = 0\n";
+        let more = "[[body.material]]\nregion = 1\nlaw = \"-\"\n[method]\niterations = 8\n";
+        let flows = "plasticity = { yield_strain = \"5 %\" }\n";
+        let changed = without_plasticity(&[rest, flows, more].concat());
+        let changed: Table = changed.parse().expect("TOML");
+        let expected: Table = [rest, more].concat().parse().expect("TOML");
+        assert_eq!(changed, expected);
+        let coupling = "[[body.coupling]]\nfriction = 0.2\n";
+        let strong = [rest, coupling, "shear_strength = \"100 Pa\"\n"].concat();
+        let changed: Table = without_shear_strength(&strong).parse().expect("TOML");
+        let expected: Table = [rest, coupling].concat().parse().expect("TOML");
+        assert_eq!(changed, expected);
+        let same: Table = without_plasticity("tick = 1\n").parse().expect("TOML");
+        assert_eq!(same, "tick = 1".parse().expect("TOML"));
+    }
+
     /// By hand.
     #[test]
     fn levels_are_changed_line_by_line() {
@@ -218,5 +287,8 @@ mod tests {
                 .iter()
                 .all(|(_, change)| change(explicit) == explicit)
         );
+        let halved = COMPUTATIONS.map(|(_, change)| change(explicit));
+        assert_eq!(halved[..2], [explicit, explicit]);
+        assert_eq!(halved[2], "tick = \"4 ms\"\ncells = [20, 2, 1]\n");
     }
 }

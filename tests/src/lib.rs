@@ -13,10 +13,12 @@
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
 //! - [`live`]: a tree with a source that has a timer of its own;
 //! - [`long`]: runs of any length, and what they cost;
+//! - [`matrix`]: scripts played without what makes tissue answer;
 //! - [`measured`]: CPU time and memory of the program;
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
 //! - [`system`]: the linear system of a body, phase by phase;
+//! - [`training`]: training after training in one process;
 //! - [`trainees`]: synthetic trainees, made and run;
 //! - [`vessel`]: tubes of layers under pressure, solved in one dimension.
 
@@ -33,12 +35,14 @@ pub mod in_process;
 pub mod kill;
 pub mod live;
 pub mod long;
+pub mod matrix;
 pub mod measured;
 pub mod sensitivity;
 pub mod simulated;
 pub mod statistics;
 pub mod system;
 pub mod trainees;
+pub mod training;
 pub mod vessel;
 
 use std::path::{Path, PathBuf};

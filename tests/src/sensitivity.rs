@@ -1,7 +1,12 @@
 //! Tables of the same trainees at different computations, and how much their metrics depend on them.
 
+mod table;
+
+pub use table::Table;
+
 use crate::changed_levels::CHANGES;
 use crate::statistics::Group;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
@@ -28,6 +33,24 @@ pub struct Outcome {
     pub failed: String,
     /// By the ids of metrics, in display units.
     pub values: BTreeMap<String, f64>,
+}
+
+impl Outcome {
+    /// From the report of a run.
+    pub fn of(report: &Value) -> Self {
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let metrics = report["metrics"].as_array().into_iter().flatten();
+        let values = metrics.filter_map(|metric| {
+            let value = metric["display_value"].as_f64()?;
+            Some((text(&metric["id"]), value))
+        });
+        let failed = report["failed"].as_array().into_iter().flatten();
+        Self {
+            verdict: text(&report["verdict"]),
+            failed: failed.map(text).collect::<Vec<_>>().join(" "),
+            values: values.collect(),
+        }
+    }
 }
 
 /// All runs of a table.

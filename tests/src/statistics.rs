@@ -49,6 +49,18 @@ pub fn effect_error(first: &Group, second: &Group, effect: f64) -> f64 {
     ((n + m) / (n * m) + effect * effect / (2.0 * (n + m))).sqrt()
 }
 
+/// Hedges' g of two groups and its standard error: Cohen's d times 1 - 3/(4 (n + m - 2) - 1), without which d of small groups is too large (Hedges 1981). `None` where neither
+/// varies.
+pub fn hedges(first: &Group, second: &Group) -> Option<(f64, f64)> {
+    let effect = effect_size(first, second)?;
+    let freedom = (first.count + second.count) as f64 - 2.0;
+    let unbiased = 1.0 - 3.0 / (4.0 * freedom - 1.0);
+    Some((
+        unbiased * effect,
+        unbiased * effect_error(first, second, effect),
+    ))
+}
+
 /// Two-sided probability of an effect at least as large without a difference, from its standard error (normal approximation).
 pub fn probability(effect: f64, error: f64) -> f64 {
     libm::erfc(effect.abs() / error / std::f64::consts::SQRT_2)
@@ -71,7 +83,7 @@ pub fn corrected(probabilities: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Group, corrected, effect_error, effect_size, percentile, probability};
+    use super::{Group, corrected, effect_error, effect_size, hedges, percentile, probability};
 
     /// By hand: sorted 0.01, 0.02, 0.03, 0.6 times 4, 3, 2, 1 are 0.04, 0.06, 0.06, 0.6.
     #[test]
@@ -101,6 +113,10 @@ mod tests {
         // 5/6 + 4.8/10 = 1.3133…
         let error = effect_error(&a, &b, d);
         assert!((error * error - 394.0 / 300.0).abs() < 1e-14, "{error}");
+        // Three degrees of freedom: 1 - 3/11.
+        let (g, of_g) = hedges(&a, &b).expect("they vary");
+        assert!((g - 8.0 / 11.0 * d).abs() < 1e-14, "{g}");
+        assert!((of_g - 8.0 / 11.0 * error).abs() < 1e-14, "{of_g}");
         assert_eq!(Group::of(&[1.0]), None);
         assert_eq!(
             effect_size(

@@ -154,6 +154,24 @@ pub const SOAKS: &[Program] = &[
         shows: "synthetic experts and novices on a level (-- MODULE LEVEL N)",
     },
     Program {
+        name: "effects",
+        package: TESTS,
+        example: "soak_effects",
+        shows: "experts against novices: effect sizes, verdicts that change (-- N SEED)",
+    },
+    Program {
+        name: "matrix",
+        package: TESTS,
+        example: "soak_matrix",
+        shows: "every level without physics, friction, cutting, plasticity: none may pass",
+    },
+    Program {
+        name: "training",
+        package: TESTS,
+        example: "soak_training",
+        shows: "60 minutes of all scripts in one process (-- --minutes N): faults, memory",
+    },
+    Program {
         name: "hands",
         package: TESTS,
         example: "soak_hands",
@@ -253,7 +271,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees, hands"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, hands"
                     .into()
             )
         );

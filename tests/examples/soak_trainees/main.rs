@@ -383,7 +383,9 @@ impl Order {
 /// The levels of a module, 1 and so on.
 fn levels_of(module: &str) -> Result<Vec<u32>, String> {
     let folder = tree().join("modules").join(module).join("levels");
-    let files = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    // Beside them may lie a folder of meshes.
+    let files = entries.flatten().filter(|entry| entry.path().is_file());
     Ok((1..=files.count() as u32).collect())
 }
 

@@ -1,12 +1,11 @@
 //! How much verdicts and metrics depend on the computation: the same motions at twice the iterations, half the tick, and one step finer mesh.
 
 mod section;
-mod table;
 
 use super::limits::Limits;
 use super::{KINDS, WORKERS};
 use microsim_tests::changed_levels::{CHANGES, ChangedLevels};
-use microsim_tests::sensitivity::{Key, Outcome, Runs, read};
+use microsim_tests::sensitivity::{Key, Outcome, Runs, Table, read};
 use microsim_tests::trainees;
 use section::{Metric, section};
 use serde_json::Value;
@@ -14,7 +13,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use table::Table;
 
 /// Plays `count` trainees of each kind, from `first_seed` on, at one change after the other. Runs that `csv` has already are not played again, but for the first of
 /// each kind at each change: an error where they are of another computation. Gives the reports of the level as shipped, by their names, to `as_shipped` if all were played now
@@ -70,7 +68,7 @@ pub fn study(
     let metrics = metrics(&first);
     let ids = metrics.keys().cloned().collect();
     let mut table = Table::open(csv, ids)?;
-    table.add(key((0, 0)), &outcome(&first))?;
+    table.add(key((0, 0)), &Outcome::of(&first))?;
     let table = Mutex::new(table);
     let shipped = Mutex::new(BTreeMap::from([(0, first)]));
     for (change, (title, _)) in CHANGES.iter().enumerate() {
@@ -93,7 +91,7 @@ pub fn study(
         let work = || -> Result<(), String> {
             while let Some(&trainee) = played.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let report = play((trainee, change));
-                let outcome = outcome(&report);
+                let outcome = Outcome::of(&report);
                 let (kind, seed) = trainees[trainee];
                 eprintln!(
                     "  {kind} {seed}, {title}: {} {}",
@@ -154,20 +152,6 @@ fn metrics(report: &Value) -> BTreeMap<String, Metric> {
     };
     let metrics = report["metrics"].as_array().into_iter().flatten();
     metrics.map(metric).collect()
-}
-
-fn outcome(report: &Value) -> Outcome {
-    let metrics = report["metrics"].as_array().into_iter().flatten();
-    let values = metrics.filter_map(|metric| {
-        let value = metric["display_value"].as_f64()?;
-        Some((text(&metric["id"]), value))
-    });
-    let failed = report["failed"].as_array().into_iter().flatten();
-    Outcome {
-        verdict: text(&report["verdict"]),
-        failed: failed.map(text).collect::<Vec<_>>().join(" "),
-        values: values.collect(),
-    }
 }
 
 fn text(value: &Value) -> String {

@@ -1,12 +1,13 @@
 //! The table of runs as a file of comma-separated values. Each run is added when it ends, so that a study goes on where an earlier one was stopped.
 
-use microsim_tests::sensitivity::{Key, Outcome, Runs, header, line, read, run};
+use super::{Key, Outcome, Runs, header, line, read, run};
 use std::fmt::Write as _;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The runs in a file, and the file.
+#[derive(Debug)]
 pub struct Table {
     path: PathBuf,
     file: File,
@@ -16,7 +17,10 @@ pub struct Table {
 }
 
 impl Table {
-    /// Opens a table, or begins one. An error where it has other metrics, or lines that are none of it.
+    /// Opens a table, or begins one.
+    ///
+    /// # Errors
+    /// Where it has other metrics, or lines that are none of it.
     pub fn open(path: &Path, metrics: Vec<String>) -> Result<Self, String> {
         let at = |error: std::io::Error| format!("{}: {error}", path.display());
         let found = read(path)?;
@@ -45,6 +49,7 @@ impl Table {
         })
     }
 
+    /// Whether a run is there.
     pub fn has(&self, key: &Key) -> bool {
         self.rows.contains_key(key)
     }
@@ -54,10 +59,14 @@ impl Table {
         &self.rows
     }
 
-    /// Adds a run. An error where the table has another outcome of it: the computation is not that of the rows that are there.
+    /// Adds a run.
+    ///
+    /// # Errors
+    /// Where the table has another outcome of it: the computation is not that of the rows that are there.
     pub fn add(&mut self, key: Key, outcome: &Outcome) -> Result<(), String> {
         let line = line(&key, outcome, &self.metrics);
-        let (_, written) = run(&line, &self.metrics).expect("a line that was just written");
+        let written = run(&line, &self.metrics).map(|(_, written)| written);
+        let written = written.ok_or_else(|| format!("no line of a table: {line}"))?;
         let path = self.path.display();
         match self.rows.get(&key) {
             Some(there) if *there == written => return Ok(()),
@@ -75,6 +84,9 @@ impl Table {
     }
 
     /// Writes the runs in their order, in whatever order they ended.
+    ///
+    /// # Errors
+    /// The file that cannot be written.
     pub fn sort(&self) -> Result<(), String> {
         let mut text = header(&self.metrics) + "\n";
         for (key, outcome) in &self.rows {
