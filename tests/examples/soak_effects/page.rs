@@ -14,7 +14,7 @@ pub const SCORE: &str = "score";
 
 const PAGE: &str = include_str!("page.md");
 
-/// A share of verdicts that change above this is too large.
+/// The fraction of verdicts that may change.
 const AIM: f64 = 0.05;
 
 /// A level with its runs.
