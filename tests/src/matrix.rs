@@ -133,7 +133,7 @@ pub struct Found {
 pub enum Passes {
     /// What passes it does not use it.
     Unused(&'static str),
-    /// It should not be: what the level is named for or says of its tissue does not decide.
+    /// It should not be: what its tissue is described by does not decide.
     Finding(&'static str),
 }
 

@@ -5,7 +5,7 @@ use microsim_tests::{run, scratch, tree};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
-/// Levels of the sample, by module: those that cost least and have each thing once where it decides. Levels of push-strip and coordination are in `modules.rs`.
+/// Levels of the sample, by module: those that cost least and have each of [`Lever::ALL`] where it decides. Levels of push-strip and coordination are in `modules.rs`.
 const SAMPLE: [(&str, u32); 4] = [
     ("trim-blunt", 1),
     ("diagonal-cut", 3),

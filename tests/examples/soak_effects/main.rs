@@ -58,6 +58,8 @@ struct Study {
     module: String,
     level: u32,
     table: Mutex<Table>,
+    /// The computations that are another one for this level: one without tissue has no iterations.
+    computations: Vec<usize>,
     /// Runs so far, and how long they took [s].
     taken: Mutex<(u32, f64)>,
 }
@@ -134,6 +136,7 @@ fn soak(order: &Order) -> Result<(), String> {
             module: of.0.clone(),
             level: of.1,
             table: Mutex::new(table),
+            computations: computations(&of.0, of.1)?,
             taken: Mutex::new((1, seconds)),
         });
     }
@@ -142,9 +145,9 @@ fn soak(order: &Order) -> Result<(), String> {
         for (at, study) in studies.iter().enumerate() {
             let table = study.table.lock().expect("no panic");
             for kind in KINDS {
-                let all = 0..COMPUTATIONS.len();
-                let missing = all.filter(|change| !table.has(&key(kind, seed, *change)));
-                jobs.extend(missing.map(|change| (at, kind, change)));
+                let all = study.computations.iter();
+                let missing = all.filter(|change| !table.has(&key(kind, seed, **change)));
+                jobs.extend(missing.map(|change| (at, kind, *change)));
             }
         }
         let next = AtomicUsize::new(0);
@@ -180,7 +183,7 @@ fn print_times(studies: &[Study]) {
     for study in studies {
         let (runs, seconds) = *study.taken.lock().expect("no panic");
         let each = seconds / f64::from(runs);
-        let whole = each * (40 * COMPUTATIONS.len()) as f64 / WORKERS as f64 / 3600.0;
+        let whole = each * (40 * study.computations.len()) as f64 / WORKERS as f64 / 3600.0;
         all += whole;
         println!(
             "{} {}: {each:.1} s a run, {WORKERS} at a time; 20 experts and 20 novices take {whole:.2} h",
@@ -188,6 +191,15 @@ fn print_times(studies: &[Study]) {
         );
     }
     println!("all of these levels: {all:.1} h");
+}
+
+/// Those that change a level's file, and that as it is shipped.
+fn computations(module: &str, level: u32) -> Result<Vec<usize>, String> {
+    let path = tree().join(format!("modules/{module}/levels/level{level}.toml"));
+    let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let all = COMPUTATIONS.iter().enumerate();
+    let others = all.filter(|(at, (_, change))| *at == 0 || change(&text) != text);
+    Ok(others.map(|(at, _)| at).collect())
 }
 
 fn key(kind: &str, seed: u64, computation: usize) -> Key {

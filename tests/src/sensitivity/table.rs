@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(fs::read_to_string(&path).expect("the table"), text);
         assert!(Table::open(&path, vec!["time".to_owned()]).is_err());
         fs::write(&path, &text[..text.len() - 9]).expect("written");
-        let error = Table::open(&path, metrics()).err().expect("half a line");
+        let error = Table::open(&path, metrics()).expect_err("half a line");
         assert!(error.contains("line 3"), "{error}");
     }
 }
