@@ -12,6 +12,10 @@ use vessel_mesh::VesselEnd;
 const OPEN: f64 = 0.25;
 const GRIP: f64 = 0.02;
 
+/// How far they close on a tongue to pull it hard, and to crush it.
+const FIRM: f64 = 0.016;
+const CRUSH: f64 = 0.002;
+
 /// How far the scissors are open around a tongue, of 1.
 const WIDE: f64 = 0.3;
 
@@ -70,8 +74,9 @@ const ON_ARTERY: Bite = Bite {
 /// As the vein's tongues are.
 const ON_VEIN: Bite = Bite {
     grip: [-0.08, 0.32],
-    draw: [-0.25, 0.3],
-    cut: [0.0, 0.48],
+    closed: 0.01,
+    draw: [-0.25, 0.22],
+    cut: [0.05, 0.45],
     beyond: 0.8,
     ..ON_ARTERY
 };
@@ -158,6 +163,8 @@ impl Bite {
         let away = [-4.0, 2.5];
         hands.go(LEFT, 0.8, self.forceps(away, self.closed));
         hands.go(LEFT, 0.3, self.forceps(away, OPEN));
+        // Back along the handle, so that what was carried off stays where it is.
+        hands.go(LEFT, 0.4, self.forceps([-5.7, 3.5], OPEN));
     }
 
     /// All of it.
@@ -169,11 +176,10 @@ impl Bite {
     }
 
     /// Grips the wall with one jaw in the lumen, and lets go.
-    fn grip_wall(&self, hands: &mut Hands, depth: f64) {
-        let at = [depth, self.grip[1] - 0.05];
+    fn grip_wall(&self, hands: &mut Hands, at: [f64; 2], closed: f64) {
         hands.go(LEFT, 0.6, self.forceps([-1.4, at[1] + 0.1], OPEN));
         hands.go(LEFT, 0.6, self.forceps(at, OPEN));
-        hands.go(LEFT, 0.6, self.forceps(at, self.closed));
+        hands.go(LEFT, 0.6, self.forceps(at, closed));
         hands.go(LEFT, 0.5, self.forceps(at, OPEN));
         hands.go(LEFT, 0.6, self.forceps([-1.4, at[1] + 0.1], OPEN));
     }
@@ -218,8 +224,9 @@ fn nip_media(hands: &mut Hands, radius: f64) {
 struct Plan {
     level: u32,
     bites: Vec<Bite>,
-    /// How far behind the end the forceps grip the wall, and the middle radius of the media \[mm\].
-    wall: f64,
+    /// Where the forceps grip the wall by mistake, along the vessel and out from its axis, and how far they close; the middle radius of the media \[mm\].
+    wall: [f64; 2],
+    closed: f64,
     media: f64,
 }
 
@@ -267,7 +274,7 @@ impl Plan {
 
     fn media_gripped(&self) {
         let doc = "Grips the wall with one jaw in the lumen, and then trims as it should be.";
-        let hands = self.after(doc, |bite, hands| bite.grip_wall(hands, self.wall));
+        let hands = self.after(doc, |bite, hands| bite.grip_wall(hands, self.wall, self.closed));
         write(hands, "fail-media-gripped");
     }
 
@@ -280,22 +287,25 @@ impl Plan {
     fn pulled_too_hard(&self, far: [f64; 2]) {
         let doc = "Draws much too far, goes back, and trims as it should be.";
         let hands = self.after(doc, |bite, hands| {
-            bite.grip(hands);
+            let [x, out] = bite.grip;
             let pulled = Bite {
+                grip: [x + 0.08, out],
+                closed: FIRM.min(bite.closed),
                 draw: far,
                 seconds: 2.5,
                 ..*bite
             };
+            pulled.grip(hands);
             pulled.draw(hands);
-            hands.go(LEFT, 1.5, bite.forceps(bite.grip, bite.closed));
+            hands.go(LEFT, 1.5, pulled.forceps(bite.grip, pulled.closed));
             hands.go(LEFT, 0.5, bite.forceps(bite.grip, OPEN));
         });
         write(hands, "fail-pulled-too-hard");
     }
 
     fn crushed(&self) {
-        let doc = "Closes the forceps completely on the tongue.";
-        write(self.played(doc, |bite| bite.closed = 0.0), "fail-crushed");
+        let doc = "Closes the forceps too far on the tongue.";
+        write(self.played(doc, |bite| bite.closed = CRUSH.min(0.6 * bite.closed)), "fail-crushed");
     }
 
     fn overhang_left(&self) {
@@ -312,18 +322,18 @@ fn main() {
     write_meshes();
     let undrawn = Bite {
         draw: [-0.1, 0.12],
-        cut: [-0.12, 0.6],
+        cut: [-0.04, 0.6],
         ..ON_ARTERY
     };
     let artery = |level: u32, bites: Vec<Bite>| Plan {
         level,
         bites,
-        wall: 0.2,
+        wall: [0.2, 0.47],
+        closed: 0.03,
         media: 0.42,
     };
     let first = artery(1, vec![undrawn]);
     first.pass();
-    first.too_fast();
     first.media_gripped();
     first.media_cut();
     first.pulled_too_hard([-1.0, 1.2]);
@@ -335,11 +345,17 @@ fn main() {
     second.too_fast();
     second.media_cut();
     second.pulled_too_hard([-1.0, 1.2]);
-    let doc = "Cuts it off at the end without drawing it over it.";
-    let hands = second.played(doc, |bite| *bite = undrawn);
+    let doc = "Draws it by half as far before it cuts.";
+    let hands = second.played(doc, |bite| {
+        bite.draw = [-0.22, 0.28];
+        bite.cut = [0.0, 0.64];
+    });
     write(hands, "fail-drawn-too-little");
     let doc = "Cuts with the tips of the scissors towards the vessel.";
-    let hands = second.played(doc, |bite| bite.raised = 40.0);
+    let hands = second.played(doc, |bite| {
+        bite.raised = 36.0;
+        bite.cut[0] += 0.06;
+    });
     write(hands, "fail-towards-the-vessel");
 
     let third = artery(3, vec![ON_ARTERY.side(FAR), ON_ARTERY.side(NEAR)]);
@@ -353,11 +369,15 @@ fn main() {
     let doc = "Cuts each tongue in two bites.";
     let mut hands = third.first().begin(3, doc);
     for bite in &third.bites {
+        let bite = Bite {
+            cut: [0.05, bite.cut[1]],
+            ..*bite
+        };
         bite.grip(&mut hands);
         bite.draw(&mut hands);
         let half = Bite {
             beyond: 0.0,
-            ..*bite
+            ..bite
         };
         half.cut(&mut hands);
         bite.cut(&mut hands);
@@ -368,7 +388,8 @@ fn main() {
     let vein = Plan {
         level: 4,
         bites: vec![ON_VEIN.side(FAR), ON_VEIN.side(NEAR)],
-        wall: 0.2,
+        wall: [0.2, 0.33],
+        closed: 0.012,
         media: 0.28,
     };
     vein.pass();
