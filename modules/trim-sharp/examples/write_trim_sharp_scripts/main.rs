@@ -134,7 +134,8 @@ impl Bite {
 
     /// The forceps come around the tongue and close on it.
     fn grip(&self, hands: &mut Hands) {
-        hands.go(LEFT, 0.6, self.forceps([-1.4, self.grip[1] + 0.25], OPEN));
+        hands.go(LEFT, 0.8, self.forceps([-5.7, 3.5], OPEN));
+        hands.go(LEFT, 0.8, self.forceps([-1.4, self.grip[1] + 0.25], OPEN));
         hands.go(LEFT, 0.6, self.forceps(self.grip, OPEN));
         hands.go(LEFT, 0.6, self.forceps(self.grip, self.closed));
     }
@@ -147,6 +148,12 @@ impl Bite {
     fn draw(&self, hands: &mut Hands) {
         hands.go(LEFT, self.seconds, self.drawn());
         hands.wait(0.2);
+    }
+
+    /// The forceps go back to where they gripped, and open.
+    fn let_go(&self, hands: &mut Hands) {
+        hands.go(LEFT, 1.5, self.forceps(self.grip, self.closed));
+        hands.go(LEFT, 0.5, self.forceps(self.grip, OPEN));
     }
 
     /// The scissors come around the tongue, close and go.
@@ -265,11 +272,17 @@ impl Plan {
     }
 
     fn too_fast(&self) {
-        let doc = "Draws in a fifth of the time.";
-        write(
-            self.played(doc, |bite| bite.seconds *= 0.2),
-            "fail-too-fast",
-        );
+        let doc = "Draws in a third of the time, lets go, and trims as it should be.";
+        let hands = self.after(doc, |bite, hands| {
+            let fast = Bite {
+                seconds: 0.3 * bite.seconds,
+                ..*bite
+            };
+            fast.grip(hands);
+            fast.draw(hands);
+            fast.let_go(hands);
+        });
+        write(hands, "fail-too-fast");
     }
 
     fn media_gripped(&self) {
@@ -297,15 +310,24 @@ impl Plan {
             };
             pulled.grip(hands);
             pulled.draw(hands);
-            hands.go(LEFT, 1.5, pulled.forceps(bite.grip, pulled.closed));
-            hands.go(LEFT, 0.5, bite.forceps(bite.grip, OPEN));
+            pulled.let_go(hands);
         });
         write(hands, "fail-pulled-too-hard");
     }
 
     fn crushed(&self) {
-        let doc = "Closes the forceps too far on the tongue.";
-        write(self.played(doc, |bite| bite.closed = CRUSH.min(0.6 * bite.closed)), "fail-crushed");
+        let doc = "Closes the forceps too far on the tongue, lets go, and trims as it should be.";
+        let hands = self.after(doc, |bite, hands| {
+            let hard = Bite {
+                grip: [bite.grip[0] + 0.12, bite.grip[1]],
+                closed: CRUSH,
+                ..*bite
+            };
+            hard.grip(hands);
+            hands.wait(0.3);
+            hands.go(LEFT, 0.5, hard.forceps(hard.grip, OPEN));
+        });
+        write(hands, "fail-crushed");
     }
 
     fn overhang_left(&self) {
@@ -329,7 +351,7 @@ fn main() {
         level,
         bites,
         wall: [0.2, 0.47],
-        closed: 0.03,
+        closed: 0.036,
         media: 0.42,
     };
     let first = artery(1, vec![undrawn]);
@@ -351,10 +373,17 @@ fn main() {
         bite.cut = [0.0, 0.64];
     });
     write(hands, "fail-drawn-too-little");
-    let doc = "Cuts with the tips of the scissors towards the vessel.";
-    let hands = second.played(doc, |bite| {
-        bite.raised = 36.0;
-        bite.cut[0] += 0.06;
+    let doc = "Cuts the tip of the tongue off with the scissors towards the vessel, and then the rest as it should be.";
+    let hands = second.after(doc, |bite, hands| {
+        let steep = Bite {
+            cut: [-0.4, 0.62],
+            raised: 34.0,
+            beyond: 0.8,
+            ..*bite
+        };
+        steep.grip(hands);
+        steep.cut(hands);
+        hands.go(LEFT, 0.5, bite.forceps(bite.grip, OPEN));
     });
     write(hands, "fail-towards-the-vessel");
 
