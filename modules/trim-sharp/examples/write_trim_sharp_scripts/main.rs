@@ -287,7 +287,9 @@ impl Plan {
 
     fn media_gripped(&self) {
         let doc = "Grips the wall with one jaw in the lumen, and then trims as it should be.";
-        let hands = self.after(doc, |bite, hands| bite.grip_wall(hands, self.wall, self.closed));
+        let hands = self.after(doc, |bite, hands| {
+            bite.grip_wall(hands, self.wall, self.closed)
+        });
         write(hands, "fail-media-gripped");
     }
 
@@ -373,17 +375,12 @@ fn main() {
         bite.cut = [0.0, 0.64];
     });
     write(hands, "fail-drawn-too-little");
-    let doc = "Cuts the tip of the tongue off with the scissors towards the vessel, and then the rest as it should be.";
-    let hands = second.after(doc, |bite, hands| {
-        let steep = Bite {
-            cut: [-0.4, 0.62],
-            raised: 34.0,
-            beyond: 0.8,
-            ..*bite
-        };
-        steep.grip(hands);
-        steep.cut(hands);
-        hands.go(LEFT, 0.5, bite.forceps(bite.grip, OPEN));
+    let doc = "Cuts with the tips of the scissors towards the vessel.";
+    let hands = second.played(doc, |bite| {
+        bite.draw = [-0.44, 0.52];
+        bite.cut = [0.05, 0.74];
+        bite.raised = 25.0;
+        bite.beyond = 0.9;
     });
     write(hands, "fail-towards-the-vessel");
 
@@ -405,7 +402,8 @@ fn main() {
         bite.grip(&mut hands);
         bite.draw(&mut hands);
         let half = Bite {
-            beyond: 0.0,
+            beyond: 0.03,
+            raised: -8.0,
             ..bite
         };
         half.cut(&mut hands);
