@@ -116,6 +116,7 @@ fn nothing_of_synthetic_trainees_is_left_out() {
         ("diagonal-cut", 4),
         ("dilatation", 5),
         ("trim-blunt", 4),
+        ("trim-sharp", 4),
     ] {
         for level in 1..=levels {
             for profile in ["expert", "novice"] {

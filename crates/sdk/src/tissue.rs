@@ -1,5 +1,6 @@
 //! What training modules measure of tissue: marks, grips, cuts, pieces, vessels, from messages about nodes, contact forces and cuts alone.
 
+mod bites;
 mod body_forces;
 mod contacts;
 mod cuts;
@@ -22,6 +23,7 @@ mod vessel_axis;
 mod vessel_wall;
 mod wall_injury;
 
+pub use bites::Bites;
 pub use body_forces::BodyForces;
 pub use contacts::{Contacts, Grasp, Grip, Releases};
 pub use cuts::{Assignment, CutFindings, CutLog};
