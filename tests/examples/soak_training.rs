@@ -89,6 +89,7 @@ fn conclude(training: &Training) -> ExitCode {
         half,
         end,
         largest_run,
+        ..
     } = memory;
     let [start, quarter, half, end, largest_run] =
         [start, quarter, half, end, largest_run].map(megabytes);

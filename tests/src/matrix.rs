@@ -140,6 +140,12 @@ pub enum Passes {
 /// What is passed all the same; whatever is not here is not.
 pub const PASSED: &[(&str, &[u32], Lever, Passes)] = &[
     (
+        "coordination",
+        &[2],
+        Lever::Friction,
+        Passes::Unused("one cut in stiff tissue: nothing has to be held"),
+    ),
+    (
         "diagonal-cut",
         &[3],
         Lever::Friction,

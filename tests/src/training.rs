@@ -100,6 +100,8 @@ pub struct Played {
     pub wall: f64,
     /// The physics digest.
     pub digest: String,
+    /// Ticks with tissue.
+    pub tissue: u64,
     /// Ticks in which the bodies were held, as nothing else contained their divergence.
     pub held: u64,
     /// Ticks whose forces mean nothing.
@@ -190,6 +192,7 @@ impl Training {
             simulated: outcome.ticks as f64 * plan.tick_ns as f64 * 1e-9,
             wall: began.elapsed().as_secs_f64(),
             digest,
+            tissue: recorded.tissue,
             held: recorded.held,
             invalid: recorded.invalid,
             replayed,
@@ -269,23 +272,30 @@ impl Training {
     /// Resident memory before the first run, and after a quarter of the simulated time, half of it, and all of it.
     pub fn memory(&self) -> Memory {
         let all = self.simulated();
-        let after = |part: f64| {
+        let reached = |part: f64| {
             let mut simulated = 0.0;
-            let reached = self.played.iter().find(|played| {
+            let found = self.played.iter().position(|played| {
                 simulated += played.simulated;
                 simulated >= part * all
             });
-            reached.or(self.played.last()).map_or(0, |of| of.memory[2])
+            found.unwrap_or(self.played.len().saturating_sub(1))
         };
+        let after = |at: usize| self.played.get(at).map_or(0, |of| of.memory[2]);
+        let mut modules = BTreeMap::new();
+        for (at, played) in self.played.iter().enumerate() {
+            modules.entry(&played.exercise.module).or_insert(at);
+        }
+        let loaded = modules.into_values().max().unwrap_or(0);
         let own = self
             .played
             .iter()
             .map(|of| of.memory[1].saturating_sub(of.memory[0]));
         Memory {
             start: self.played.first().map_or(0, |of| of.memory[0]),
-            quarter: after(0.25),
-            half: after(0.5),
-            end: self.played.last().map_or(0, |of| of.memory[2]),
+            quarter: after(reached(0.25)),
+            half: after(reached(0.5)),
+            end: after(self.played.len().saturating_sub(1)),
+            base: after(reached(0.25).max(loaded)),
             largest_run: own.max().unwrap_or(0),
         }
     }
@@ -302,17 +312,18 @@ pub struct Memory {
     pub half: u64,
     /// After the last run.
     pub end: u64,
+    /// After a quarter of the time, or later when the last of the modules has been played once: their libraries stay loaded.
+    pub base: u64,
     /// What a run took at most, beyond what there was before it.
     pub largest_run: u64,
 }
 
 impl Memory {
     /// Whether nothing adds up. What a run has freed the allocator may hold back, so that between two runs there may be as much as one run takes and no more; what each of many
-    /// runs left would exceed that. By the quarter the libraries of all modules are loaded, which stay.
+    /// runs left would exceed that.
     pub fn is_flat(&self) -> bool {
-        [self.half, self.end]
-            .iter()
-            .all(|later| *later <= self.quarter + self.largest_run)
+        let later = self.half.max(self.end);
+        later <= self.base + self.largest_run
     }
 }
 
@@ -337,6 +348,7 @@ fn other_result(script: &str, result: &TrainingResult) -> Option<String> {
 /// What a session shows of the solver.
 #[derive(Default)]
 struct Recorded {
+    tissue: u64,
     held: u64,
     invalid: u64,
     not_finite: u64,
@@ -353,6 +365,7 @@ impl Recorded {
                 let frame = frame.map_err(|e| e.to_string())?;
                 if let Some(solver) = decode::<SolverTick>(&frame) {
                     let solver = solver.map_err(|e| e.to_string())?;
+                    found.tissue += 1;
                     found.held += u64::from(solver.steps == 0);
                     found.invalid += u64::from(!solver.valid);
                     finite &= solver.residual.is_finite() && solver.force_residual.is_finite();
@@ -464,6 +477,7 @@ mod tests {
             quarter,
             half,
             end,
+            base: quarter,
             largest_run: 30,
         };
         assert!(memory(24, 30, 54).is_flat());
