@@ -2,6 +2,7 @@
 
 use microsim_tests::{run, scratch, tree};
 use serde_json::Value;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -66,7 +67,7 @@ type Key = (f64, [f64; 3], [f64; 4], f64);
 
 /// Forceps from the left with one jaw above the other, and from above with one on each side; scissors from the trainee with one blade above the other.
 const FORCEPS: [f64; 4] = [0.0, -0.5, 0.0, 0.866_025_404];
-const FROM_ABOVE: [f64; 4] = [0.0, 0.0, 0.707_106_781, 0.707_106_781];
+const FROM_ABOVE: [f64; 4] = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
 const SCISSORS: [f64; 4] = [0.5, -0.5, 0.5, 0.5];
 
 fn script(tools: [(&str, &[Key]); 2]) -> String {

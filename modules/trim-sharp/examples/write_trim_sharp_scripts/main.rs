@@ -56,6 +56,8 @@ struct Bite {
     beyond: f64,
     /// How far the handle of the scissors is raised \[degrees\].
     raised: f64,
+    /// Factor of the times in which jaws close and what was cut off is carried away.
+    pace: f64,
 }
 
 /// As the levels on arteries are passed.
@@ -69,12 +71,14 @@ const ON_ARTERY: Bite = Bite {
     cut: [0.0, 0.72],
     beyond: 1.0,
     raised: 0.0,
+    pace: 1.6,
 };
 
 /// As the vein's tongues are.
 const ON_VEIN: Bite = Bite {
     grip: [-0.08, 0.32],
     closed: 0.01,
+    pace: 1.0,
     draw: [-0.25, 0.22],
     cut: [0.05, 0.45],
     beyond: 0.8,
@@ -137,7 +141,7 @@ impl Bite {
         hands.go(LEFT, 0.8, self.forceps([-5.7, 3.5], OPEN));
         hands.go(LEFT, 0.8, self.forceps([-1.4, self.grip[1] + 0.25], OPEN));
         hands.go(LEFT, 0.6, self.forceps(self.grip, OPEN));
-        hands.go(LEFT, 0.6, self.forceps(self.grip, self.closed));
+        hands.go(LEFT, 0.6 * self.pace, self.forceps(self.grip, self.closed));
     }
 
     fn drawn(&self) -> Key {
@@ -160,7 +164,7 @@ impl Bite {
     fn cut(&self, hands: &mut Hands) {
         hands.go(RIGHT, 0.6, self.scissors(-6.0, WIDE));
         hands.go(RIGHT, 0.8, self.scissors(self.beyond, WIDE));
-        hands.go(RIGHT, 0.7, self.scissors(self.beyond, 0.0));
+        hands.go(RIGHT, 0.7 * self.pace, self.scissors(self.beyond, 0.0));
         hands.go(RIGHT, 0.6, self.scissors(-3.0, 0.0));
         hands.go(RIGHT, 0.4, self.scissors(-6.0, 0.0));
     }
@@ -168,7 +172,7 @@ impl Bite {
     /// The forceps carry off what they hold, and open.
     fn carry_off(&self, hands: &mut Hands) {
         let away = [-4.0, 2.5];
-        hands.go(LEFT, 0.8, self.forceps(away, self.closed));
+        hands.go(LEFT, 0.8 * self.pace, self.forceps(away, self.closed));
         hands.go(LEFT, 0.3, self.forceps(away, OPEN));
         // Back along the handle, so that what was carried off stays where it is.
         hands.go(LEFT, 0.4, self.forceps([-5.7, 3.5], OPEN));
