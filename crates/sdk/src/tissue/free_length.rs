@@ -15,10 +15,11 @@ impl FreeLength {
     /// Of the layers of the held piece as they lie now, at so many angles. Where no adventitia is left, the media is bare from its other end on. `None` where some
     /// angle has no media.
     pub fn of(wall: &VesselWall<'_>, media: u32, adventitia: u32, angles: usize) -> Option<Self> {
+        let [media, adventitia] = [media, adventitia].map(|region| Outline::of(wall, region));
         let lengths = (0..angles).map(|k| {
             let angle = 2.0 * PI * k as f64 / angles as f64;
-            let [least, end] = extent(wall, media, angle)?;
-            let covered = extent(wall, adventitia, angle);
+            let [least, end] = media.extent(wall, angle)?;
+            let covered = adventitia.extent(wall, angle);
             Some(end - covered.map_or(least, |[_, foremost]| foremost))
         });
         let lengths: Option<Vec<f64>> = lengths.collect();
@@ -44,24 +45,42 @@ impl FreeLength {
     }
 }
 
-/// From where to where a layer reaches along the axis in the half-plane at an angle around it \[m\].
-fn extent(wall: &VesselWall<'_>, region: u32, angle: f64) -> Option<[f64; 2]> {
-    let axis = wall.axis();
-    let (spoke, direction) = (
-        Vector3::from(axis.spoke(angle)),
-        Vector3::from(axis.direction()),
-    );
-    let aside = direction.cross(&spoke);
-    let mut extent: Option<[f64; 2]> = None;
-    for rows in wall.layer(region) {
-        for k in 0..3 {
-            let ends = [rows[k], rows[(k + 1) % 3]].map(|row| wall.now(row));
-            let [a, b] = ends.map(|place| Vector3::from(axis.radial(place.into())).dot(&aside));
+/// The edges of a layer: their ends, and of these the vectors from the axis \[m\].
+struct Outline {
+    edges: Vec<[[Vector3<f64>; 2]; 2]>,
+}
+
+impl Outline {
+    fn of(wall: &VesselWall<'_>, region: u32) -> Self {
+        let axis = wall.axis();
+        let mut edges = Vec::new();
+        for rows in wall.layer(region) {
+            let corners = rows.map(|row| {
+                let place = wall.now(row);
+                [place, Vector3::from(axis.radial(place.into()))]
+            });
+            edges.extend((0..3).map(|k| [corners[k], corners[(k + 1) % 3]]));
+        }
+        Self { edges }
+    }
+
+    /// From where to where the layer reaches along the axis in the half-plane at an angle around it \[m\].
+    fn extent(&self, wall: &VesselWall<'_>, angle: f64) -> Option<[f64; 2]> {
+        let axis = wall.axis();
+        let (spoke, direction) = (
+            Vector3::from(axis.spoke(angle)),
+            Vector3::from(axis.direction()),
+        );
+        let aside = direction.cross(&spoke);
+        let mut extent: Option<[f64; 2]> = None;
+        for ends in &self.edges {
+            let [a, b] = ends.map(|[_, radial]| radial.dot(&aside));
             // What lies in the half-plane counts as beyond it.
             if (a >= 0.0) == (b >= 0.0) {
                 continue;
             }
-            let crossing = ends[0] + (ends[1] - ends[0]) * (a / (a - b));
+            let [from, to] = ends.map(|[place, _]| place);
+            let crossing = from + (to - from) * (a / (a - b));
             if Vector3::from(axis.radial(crossing.into())).dot(&spoke) <= 0.0 {
                 continue;
             }
@@ -69,8 +88,8 @@ fn extent(wall: &VesselWall<'_>, region: u32, angle: f64) -> Option<[f64; 2]> {
             let [from, to] = extent.unwrap_or([along; 2]);
             extent = Some([from.min(along), to.max(along)]);
         }
+        extent
     }
-    extent
 }
 
 #[cfg(test)]
