@@ -82,6 +82,24 @@ impl Aabb {
         sides
     }
 
+    /// From which to which fraction of the way from `a` to `b` the segment lies in the box, if it does; the boundary counts.
+    pub fn clip(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Option<[f64; 2]> {
+        let [mut from, mut to] = [0.0f64, 1.0f64];
+        for k in 0..3 {
+            let way = b[k] - a[k];
+            if way == 0.0 {
+                if a[k] < self.min[k] || a[k] > self.max[k] {
+                    return None;
+                }
+                continue;
+            }
+            let [one, other] = [self.min[k], self.max[k]].map(|side| (side - a[k]) / way);
+            from = from.max(one.min(other));
+            to = to.min(one.max(other));
+        }
+        (from <= to).then_some([from, to])
+    }
+
     /// Whether `point` lies in the box; the boundary counts.
     #[inline]
     pub fn contains(&self, point: &Vector3<f64>) -> bool {

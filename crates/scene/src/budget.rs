@@ -37,11 +37,21 @@ impl Budget {
         }
     }
 
-    /// The sub-steps of each of `steps` steps for tools that need so many, at least 1, and the fraction of their motion that these allow.
-    pub fn substeps(&mut self, needed: f64, steps: u32) -> (u32, f64) {
+    /// The sub-steps of each of so many steps that fit, at least 1.
+    fn most_substeps(&self, steps: u32) -> f64 {
         let first = self.left - self.reserve;
         let most = (FAST_PART * first / (self.step * f64::from(steps))).floor();
-        let most = most.max(1.0);
+        most.max(1.0)
+    }
+
+    /// Whether `steps` steps that were divided into `count` fit.
+    pub fn holds(&self, count: u32, steps: u32) -> bool {
+        f64::from(count) <= self.most_substeps(steps) * f64::from(steps)
+    }
+
+    /// The sub-steps of each of `steps` steps for tools that need so many, at least 1, and the fraction of their motion that these allow.
+    pub fn substeps(&mut self, needed: f64, steps: u32) -> (u32, f64) {
+        let most = self.most_substeps(steps);
         if needed.ceil() <= most {
             // The cast saturates.
             return (needed.ceil() as u32, 1.0);

@@ -200,25 +200,25 @@ impl Course {
         self.tools.iter().map(motion).collect()
     }
 
-    /// Moves the tools in the step of this number out of `count`, pushed with at most `hand_force` \[N\] and without passing through each other if they
+    /// Moves the tools in the step from the first to the second of so many even parts of the tick, pushed with at most `hand_force` \[N\] and without passing through each other if they
     /// `do_touch`, and sets the motions of their capsules.
     pub fn advance(
         &mut self,
         tools: &[Tool],
-        [step, count]: [u32; 2],
+        step: [u32; 3],
         hand_force: f64,
         do_touch: bool,
         capsules: &mut [Option<Vec<CapsuleMotion>>],
     ) {
         for one in &mut self.tools {
-            one.advance(&tools[one.motion.tool], step, count);
+            one.advance(&tools[one.motion.tool], step);
             one.hold_back(hand_force);
         }
         if do_touch {
             self.separate(tools);
         }
         for one in &self.tools {
-            let motions = one.capsules(&tools[one.motion.tool], step, count);
+            let motions = one.capsules(&tools[one.motion.tool], step);
             capsules[one.motion.tool] = Some(motions);
         }
     }
@@ -336,18 +336,18 @@ impl Course {
 
 impl PlacedTool {
     /// Goes on in a step.
-    fn advance(&mut self, tool: &Tool, step: u32, count: u32) {
+    fn advance(&mut self, tool: &Tool, [from, to, parts]: [u32; 3]) {
         self.before = self.now;
         let Self { motion, now, .. } = self;
         if self.is_straight {
-            let t = f64::from(step + 1) / f64::from(count);
+            let t = f64::from(to) / f64::from(parts);
             now.target = motion.opening_from + (motion.opening_to - motion.opening_from) * t;
-            now.pose = match step + 1 == count {
+            now.pose = match to == parts {
                 true => motion.to,
                 false => motion.from.interpolate(&motion.to, t),
             };
         } else {
-            let t = 1.0 / f64::from(count - step);
+            let t = f64::from(to - from) / f64::from(parts - from);
             now.target += (motion.opening_to - now.target) * t;
             now.pose = now.pose.interpolate(&motion.to, t);
         }
@@ -396,12 +396,12 @@ impl PlacedTool {
     }
 
     /// The motions of its capsules in a step.
-    fn capsules(&self, tool: &Tool, step: u32, count: u32) -> Vec<CapsuleMotion> {
+    fn capsules(&self, tool: &Tool, [from, to, parts]: [u32; 3]) -> Vec<CapsuleMotion> {
         let unbent =
             [&self.before, &self.now].map(|placement| placement.opening == placement.target);
         if self.is_straight && unbent == [true; 2] {
-            let t = |step: u32| f64::from(step) / f64::from(count);
-            return tool.step(&self.motion, t(step), t(step + 1));
+            let t = |part: u32| f64::from(part) / f64::from(parts);
+            return tool.step(&self.motion, t(from), t(to));
         }
         let motion = ToolMotion {
             from: self.before.pose,

@@ -6,11 +6,11 @@ use crate::containment::{self, Failure, Watch};
 use crate::cut_report::CutReport;
 use crate::cutting::TornBodies;
 use crate::divergence::{Diverged, Divergence};
+use crate::division::Division;
 use crate::group::Group;
 use crate::group_contact::ContactState;
 use crate::jet::Jet;
 use crate::lonor::EdgeLoads;
-use crate::pairs::{Pair, PairPartner};
 use crate::placement::Course;
 use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
 use crate::scene::Scene;
@@ -18,18 +18,9 @@ use crate::stretch_guard::StretchGuard;
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
 use microsim_contact::CapsuleMotion;
-use microsim_geometry::Aabb;
 use microsim_tissue::{ContactStep, Executor, State, StepFailure, StepReport, flow};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
-
-/// In one step a tool moves at most this fraction of its radius or of the mean edge length, whichever is less: explicit methods
-/// (NUMERICS 6), and implicit ones, which find contact again in every iteration.
-const TRAVEL_EXPLICIT: f64 = 0.25;
-const TRAVEL_IMPLICIT: f64 = 1.0;
-
-/// A tool that needs more sub-steps than this has jumped.
-const MAX_SUBSTEPS: u32 = 256;
 
 /// How a tick is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,7 +120,15 @@ impl Scene {
         let least = groups.map(|(group, of)| group.least_work(&self.bodies, of.forces.len()));
         let least: f64 = least.sum();
         let mut budget = Budget::new(self.budget.map(|part| part * tick_s), least);
-        let (substeps, reached) = budget.substeps(needed, steps);
+        // The cast saturates.
+        let mut division = self.division(&motions, tick_s, [steps, needed.ceil() as u32]);
+        let mut reached = 1.0;
+        if !budget.holds(division.count(), steps) {
+            let (substeps, fraction) = budget.substeps(needed, steps);
+            division = Division::even(steps.saturating_mul(substeps));
+            reached = fraction;
+        }
+        let substeps = division.count().div_ceil(steps);
         let mut start = self.state.clone();
         self.forget(&jumped);
         let mut recoveries = Vec::new();
@@ -157,13 +156,13 @@ impl Scene {
             (true, true) => 1,
         };
         let effort_of = |index: usize| if index == 0 { 1 } else { REPEATED_EFFORT };
-        let count_of = |index: usize, steps: u32| match tries[index] {
-            Try::Follow(factor) => steps.saturating_mul(substeps).saturating_mul(factor),
+        let count_of = |index: usize, division: &Division, steps: u32| match tries[index] {
+            Try::Follow(factor) => division.count().saturating_mul(factor),
             Try::Stand | Try::LetGo => steps,
         };
         let mut index = 0;
         while let Some(&this) = tries.get(index) {
-            let count = count_of(index, steps);
+            let count = count_of(index, &division, steps);
             let (effort, pace) = match this {
                 Try::Follow(_) => (effort_of(index), pace),
                 Try::Stand | Try::LetGo => (1, 0.0),
@@ -177,7 +176,11 @@ impl Scene {
             };
             let moved: Vec<ToolMotion> = motions.iter().filter(touches).copied().collect();
             let mut course = Course::new(&moved, &self.state.placements, pace);
-            match self.attempt(&mut course, tick_s, count, &mut budget, exec) {
+            let divided = match this {
+                Try::Follow(factor) => division.divided(factor),
+                Try::Stand | Try::LetGo => Division::even(steps),
+            };
+            match self.attempt(&mut course, tick_s, &divided, &mut budget, exec) {
                 Ok((mut contacts, loads, solver)) => {
                     let valid = this != Try::LetGo && self.is_meaningful(&solver, &contacts);
                     if !valid && rounds > 0 && index < follows {
@@ -196,7 +199,7 @@ impl Scene {
                         }
                     }
                     let is_last = valid || doubted || index + 1 >= follows;
-                    if !is_last && budget.allows(count_of(index + 1, steps)) {
+                    if !is_last && budget.allows(count_of(index + 1, &division, steps)) {
                         doubted = true;
                         repetitions += 1;
                         self.state.clone_from(&start);
@@ -248,9 +251,10 @@ impl Scene {
                     if self.shorten_steps(&found) {
                         start.stable_steps.clone_from(&self.state.stable_steps);
                         steps = steps.max(self.required_steps(tick_s));
+                        division = Division::even(steps.saturating_mul(substeps));
                         stiffened = true;
                         // Tools that stand have to be computed in any case.
-                        if index >= follows || budget.allows(count_of(index, steps)) {
+                        if index >= follows || budget.allows(count_of(index, &division, steps)) {
                             repetitions += 1;
                             continue;
                         }
@@ -260,7 +264,7 @@ impl Scene {
                         break;
                     }
                     index += 1;
-                    if index < follows && !budget.allows(count_of(index, steps)) {
+                    if index < follows && !budget.allows(count_of(index, &division, steps)) {
                         index = follows;
                     }
                     repetitions += u32::from(index < tries.len());
@@ -320,46 +324,6 @@ impl Scene {
         (valid, invalid)
     }
 
-    /// Number of sub-steps for the fastest tool near a body that it may touch. A tool that needs too many is placed at the end of its
-    /// motion, and listed.
-    fn substeps(&self, motions: &mut [ToolMotion], tick_s: f64, steps: u32) -> (f64, Vec<usize>) {
-        let travel = match self.method.is_explicit() {
-            true => TRAVEL_EXPLICIT,
-            false => TRAVEL_IMPLICIT,
-        };
-        let (mut most, mut jumped) = (1.0f64, Vec::new());
-        for motion in motions {
-            let tool = &self.tools[motion.tool];
-            let swept = tool.swept_bounds(motion);
-            let mut needed = 1.0f64;
-            let of_tool = |pair: &&Pair| pair.with == PairPartner::Tool(motion.tool);
-            for pair in self.pairs.iter().filter(of_tool) {
-                let (body, state) = (&self.bodies[pair.body], &self.state.bodies[pair.body]);
-                // Far from the body a tool may be as fast as it likes. The body itself may come nearer by its own speed.
-                let speed = state
-                    .velocities
-                    .iter()
-                    .map(|v| v.norm())
-                    .fold(0.0, f64::max);
-                let edge = body.model.mean_edge_length();
-                let reach = Aabb::of(&state.positions).inflated(edge + speed * tick_s);
-                if !reach.overlaps(&swept) {
-                    continue;
-                }
-                let per_step = travel * tool.smallest_radius().min(edge);
-                needed = needed.max(tool.travel(motion) / f64::from(steps) / per_step);
-            }
-            if needed > f64::from(MAX_SUBSTEPS) {
-                jumped.push(motion.tool);
-                motion.from = motion.to;
-                motion.opening_from = motion.opening_to;
-            } else {
-                most = most.max(needed);
-            }
-        }
-        (most, jumped)
-    }
-
     /// Puts elements that slide where the states of their bodies have put them.
     pub(crate) fn relocate(&mut self) {
         for group in &mut self.groups {
@@ -367,12 +331,12 @@ impl Scene {
         }
     }
 
-    /// One try of a tick in `count` steps.
+    /// One try of a tick in these steps.
     fn attempt(
         &mut self,
         course: &mut Course,
         tick_s: f64,
-        count: u32,
+        division: &Division,
         budget: &mut Budget,
         exec: &dyn Executor,
     ) -> Result<(Vec<ContactReport>, EdgeLoads, SolverReport), Failure> {
@@ -398,21 +362,23 @@ impl Scene {
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];
         let mut longest_steps = vec![None; self.groups.len()];
-        let h = tick_s / f64::from(count);
+        let (count, part) = (division.count(), tick_s / f64::from(division.parts()));
         let states = &mut self.state.bodies;
         let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
         let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
         let mut jets = Vec::with_capacity(self.tools.len());
         for step in 0..count {
+            let [from, to] = division.step(step);
+            let h = part * f64::from(to - from);
             course.advance(
                 &self.tools,
-                [step, count],
+                [from, to, division.parts()],
                 self.hand_force,
                 self.tools_touch,
                 &mut tools,
             );
             course.jets(&self.tools, &mut jets);
-            let end = self.state.time + f64::from(step + 1) * h;
+            let end = self.state.time + f64::from(to) * part;
             for (index, state) in joined.iter().enumerate() {
                 let (of, allowed) = (&self.groups[index], &self.state.stable_steps);
                 let Some(longest) = of.longest_step(&self.bodies, state, end - h, h, allowed)

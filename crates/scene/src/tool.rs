@@ -4,7 +4,7 @@ use crate::error::SceneError;
 use crate::jet::Jet;
 use crate::spec::{CapsuleSpec, IrrigationSpec, Jaw, ToolKeySpec, ToolSpec};
 use microsim_contact::CapsuleMotion;
-use microsim_geometry::{Aabb, Capsule, Joint, JointBounds, Pose};
+use microsim_geometry::{Aabb, Capsule, Joint, Pose};
 use nalgebra::{Unit, Vector3};
 
 /// The motion of one tool during a tick.
@@ -251,36 +251,50 @@ impl Tool {
             .collect()
     }
 
-    /// An upper bound of the path length of any axis point during a motion \[m\]: translation, rotation about the tool's origin,
-    /// and joints.
-    pub fn travel(&self, motion: &ToolMotion) -> f64 {
+    /// How many steps a motion takes in which no part goes further than this fraction of its own radius or of `edge` \[m\], whichever is less, where it
+    /// comes into a box; 0 where none does. A shaft that turns about its tip goes far where it touches nothing, and one about its own axis not at all.
+    pub fn steps_within(
+        &self,
+        motion: &ToolMotion,
+        bounds: &Aabb,
+        edge: f64,
+        fraction: f64,
+    ) -> f64 {
         let translation = (motion.to.position - motion.from.position).norm();
         let angle = motion.from.angle_to(&motion.to);
-        let mut travel = 0.0f64;
-        for part in &self.parts {
-            let openings = [motion.opening_from, motion.opening_to];
-            let JointBounds { path, reach } = part.joint.bounds(&part.capsule, openings);
-            travel = travel.max(translation + path + reach * angle);
+        // In the frame of the tool, the turn that the motion ends with.
+        let turn = motion.from.orientation.inverse() * motion.to.orientation;
+        let axis = turn.imag().try_normalize(0.0);
+        let openings = [motion.opening_from, motion.opening_to];
+        let poses = [0.0, 1.0].map(|t| self.capsules_at(motion, t).collect::<Vec<_>>());
+        let mut most = 0.0f64;
+        for (index, part) in self.parts.iter().enumerate() {
+            // A path at a constant distance from the axis, but for what a joint changes of it.
+            let of_end = |end: Vector3<f64>| {
+                let point = Capsule {
+                    a: end,
+                    b: end,
+                    radius: part.capsule.radius,
+                };
+                let path = part.joint.bounds(&point, openings).path;
+                let place = part.joint.capsule_at(&point, motion.opening_from).a;
+                let arm = axis.map_or(0.0, |axis| axis.cross(&place).norm());
+                translation + path + (arm + path) * angle
+            };
+            let ends = [part.capsule.a, part.capsule.b].map(of_end);
+            let radius = part.capsule.radius;
+            // No point is ever further from the nearer end of its path than half the path.
+            let around = bounds.inflated(radius + 0.5 * ends[0].max(ends[1]));
+            for capsules in &poses {
+                let capsule = &capsules[index];
+                if let Some(within) = around.clip(&capsule.a, &capsule.b) {
+                    let travel = within.map(|t| ends[0] + (ends[1] - ends[0]) * t);
+                    let travel = travel[0].max(travel[1]);
+                    most = most.max(travel / (fraction * radius.min(edge)));
+                }
+            }
         }
-        travel
-    }
-
-    /// The thinnest part's radius \[m\].
-    pub fn smallest_radius(&self) -> f64 {
-        self.parts
-            .iter()
-            .map(|part| part.capsule.radius)
-            .fold(f64::INFINITY, f64::min)
-    }
-
-    /// A box that holds the tool during the whole motion.
-    pub fn swept_bounds(&self, motion: &ToolMotion) -> Aabb {
-        let ends = [0.0, 1.0]
-            .into_iter()
-            .flat_map(|t| self.capsules_at(motion, t));
-        // No point is ever further from the nearer end of its path than half the path.
-        ends.fold(Aabb::empty(), |all, capsule| all.union(&capsule.bounds()))
-            .inflated(0.5 * self.travel(motion))
+        most
     }
 }
 
@@ -389,18 +403,16 @@ mod tests {
         1.0 - x.powi(2) / 2.0 + x.powi(4) / 24.0 - x.powi(6) / 720.0 + x.powi(8) / 40_320.0
     }
 
+    /// Against the paths of its ends in a thousand parts of the motion: no shorter than they are, and not four times as long.
     #[test]
-    fn travel_and_swept_bounds_hold_every_pose_of_the_way() {
+    fn steps_hold_the_path_of_what_is_in_the_box() {
         let tool = jaw();
         let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 2.5);
-        let motion = motion(
-            Pose {
-                position: Vector3::new(1e-3, 2e-3, 0.0),
-                orientation: turn,
-            },
-            3.0,
-        );
-        let bounds = tool.swept_bounds(&motion);
+        let to = Pose {
+            position: Vector3::new(1e-3, 2e-3, 0.0),
+            orientation: turn,
+        };
+        let motion = motion(to, 3.0);
         let mut path = [0.0; 2];
         let mut last = tool.capsules_at(&motion, 0.0).next().unwrap();
         for i in 1..=1000 {
@@ -410,14 +422,47 @@ mod tests {
                 .unwrap();
             path[0] += (now.a - last.a).norm();
             path[1] += (now.b - last.b).norm();
-            assert!(bounds.contains(&now.a) && bounds.contains(&now.b));
             last = now;
         }
-        let travel = tool.travel(&motion);
+        let everywhere = Aabb::empty().inflated(f64::NEG_INFINITY);
+        assert!(everywhere.contains(&Vector3::zeros()));
+        // Of the radius of 0.1 mm.
+        let travel = 1e-4 * tool.steps_within(&motion, &everywhere, f64::INFINITY, 1.0);
         assert!(path.iter().all(|w| *w <= travel), "{path:?} {travel}");
         assert!(
             path.iter().any(|w| *w > 0.25 * travel),
             "the bound is not idle: {path:?} {travel}"
         );
+    }
+
+    /// A rod of 10 mm that turns by 0.1 about its tip: where the box ends 1 mm from the tip, it goes 0.1 mm, and in one about its own axis nothing.
+    #[test]
+    fn what_is_outside_of_the_box_counts_for_nothing() {
+        let tool = jaw();
+        let turned = |axis, angle| {
+            let orientation = UnitQuaternion::from_axis_angle(&axis, angle);
+            let position = Vector3::zeros();
+            motion(
+                Pose {
+                    position,
+                    orientation,
+                },
+                0.0,
+            )
+        };
+        let tip = Aabb::of(&[Vector3::repeat(-1e-3), Vector3::repeat(1e-3)]);
+        let steps = |motion: &ToolMotion, bounds: &Aabb| {
+            tool.steps_within(motion, bounds, f64::INFINITY, 1.0)
+        };
+        let aside = turned(Vector3::x_axis(), 0.1);
+        let everywhere = tip.inflated(1.0);
+        // By the radius and half of its longest path the box is larger.
+        let reach = 1e-3 + 1e-4 + 0.5e-3;
+        assert!((steps(&aside, &everywhere) - 10.0).abs() < 1e-9);
+        let found = steps(&aside, &tip);
+        assert!((found - reach * 0.1 / 1e-4).abs() < 0.01, "{found}");
+        assert!(steps(&turned(Vector3::z_axis(), 1.0), &tip) < 1e-9);
+        let far = Aabb::of(&[Vector3::repeat(0.1)]);
+        assert_eq!(steps(&aside, &far), 0.0);
     }
 }

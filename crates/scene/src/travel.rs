@@ -1,0 +1,131 @@
+//! How a tick is divided for tools that are fast: by what of them comes near tissue.
+
+use crate::division::Division;
+use crate::pairs::{Pair, PairPartner};
+use crate::scene::Scene;
+use crate::tool::ToolMotion;
+use microsim_geometry::{Aabb, Capsule, closest_segment_triangle};
+use nalgebra::Vector3;
+
+/// In one step a part of a tool moves at most so many times its radius or the mean edge length, whichever is less: explicit methods
+/// (NUMERICS 6), and implicit ones, which find contact again in every iteration and over the whole path of a capsule.
+const TRAVEL_EXPLICIT: f64 = 0.25;
+const TRAVEL_IMPLICIT: f64 = 2.0;
+
+/// A tool that needs more sub-steps than this has jumped.
+const MAX_SUBSTEPS: u32 = 256;
+
+impl Scene {
+    /// Number of sub-steps for the fastest tool near a body that it may touch. A tool that needs too many is placed at the end of its
+    /// motion, and listed.
+    pub(crate) fn substeps(
+        &self,
+        motions: &mut [ToolMotion],
+        tick_s: f64,
+        steps: u32,
+    ) -> (f64, Vec<usize>) {
+        let travel = match self.method.is_explicit() {
+            true => TRAVEL_EXPLICIT,
+            false => TRAVEL_IMPLICIT,
+        };
+        let (mut most, mut jumped) = (1.0f64, Vec::new());
+        for motion in motions {
+            let tool = &self.tools[motion.tool];
+            let mut needed = 1.0f64;
+            for body in self.touched_by(motion.tool) {
+                let edge = self.bodies[body].model.mean_edge_length();
+                // Far from the body a tool may be as fast as it likes.
+                let reach = self.bounds(body).inflated(edge + self.drift(body, tick_s));
+                let of_body = tool.steps_within(motion, &reach, edge, travel);
+                needed = needed.max(of_body / f64::from(steps));
+            }
+            if needed > f64::from(MAX_SUBSTEPS) {
+                jumped.push(motion.tool);
+                motion.from = motion.to;
+                motion.opening_from = motion.opening_to;
+            } else {
+                most = most.max(needed);
+            }
+        }
+        (most, jumped)
+    }
+
+    /// The steps of a tick, of which each is divided into so many where a tool is near tissue. Explicit methods, whose steps may not be longer than
+    /// they are, and steps that are not divided have even ones.
+    pub(crate) fn division(
+        &self,
+        motions: &[ToolMotion],
+        tick_s: f64,
+        [steps, substeps]: [u32; 2],
+    ) -> Division {
+        let parts = steps.saturating_mul(substeps);
+        if substeps <= 1 || self.method.is_explicit() {
+            return Division::even(parts);
+        }
+        let mut near = vec![false; parts as usize];
+        for motion in motions {
+            for body in self.touched_by(motion.tool) {
+                let edge = self.bodies[body].model.mean_edge_length();
+                let reach = self.bounds(body).inflated(edge + self.drift(body, tick_s));
+                let needed =
+                    self.tools[motion.tool].steps_within(motion, &reach, edge, TRAVEL_IMPLICIT);
+                // What is slow enough for the whole step divides none.
+                if needed > f64::from(steps) {
+                    self.mark_near(motion, body, tick_s, &mut near);
+                }
+            }
+        }
+        Division::around(&near, steps)
+    }
+
+    /// Marks the even parts of a tick in which the tool may come to the surface of a body.
+    fn mark_near(&self, motion: &ToolMotion, body: usize, tick_s: f64, near: &mut [bool]) {
+        let tool = &self.tools[motion.tool];
+        let positions = &self.state.bodies[body].positions;
+        let bounds = self.bounds(body);
+        let drift = self.drift(body, tick_s);
+        let parts = near.len() as f64;
+        let at = |part: usize| tool.capsules_at(motion, part as f64 / parts);
+        let mut start: Vec<Capsule> = at(0).collect();
+        for (part, near) in near.iter_mut().enumerate() {
+            let end: Vec<Capsule> = at(part + 1).collect();
+            *near |= start.iter().zip(&end).any(|(from, to)| {
+                // A point of the axis is no further from where it is in the middle of straight paths than half of the longer one, in a turn by less than that again.
+                let path = (to.a - from.a).norm().max((to.b - from.b).norm());
+                let reach = from.radius + path + drift;
+                let middle = [(from.a + to.a) * 0.5, (from.b + to.b) * 0.5];
+                let around = bounds.inflated(reach);
+                let Some([first, last]) = around.clip(&middle[0], &middle[1]) else {
+                    return false;
+                };
+                let axis = [first, last].map(|t| middle[0] + (middle[1] - middle[0]) * t);
+                let box_of_axis = Aabb::of(&axis).inflated(reach);
+                let triangles = self.bodies[body].surface.triangles.iter();
+                let mut corners = triangles.map(|of| of.map(|node| positions[node as usize]));
+                corners.any(|corners| {
+                    Aabb::of(&corners).overlaps(&box_of_axis)
+                        && closest_segment_triangle(&axis[0], &axis[1], &corners).distance()
+                            <= reach
+                })
+            });
+            start = end;
+        }
+    }
+
+    /// The bodies that a tool may touch.
+    fn touched_by(&self, tool: usize) -> impl Iterator<Item = usize> {
+        let of_tool = move |pair: &&Pair| pair.with == PairPartner::Tool(tool);
+        self.pairs.iter().filter(of_tool).map(|pair| pair.body)
+    }
+
+    /// The box around a body.
+    fn bounds(&self, body: usize) -> Aabb {
+        Aabb::of(&self.state.bodies[body].positions)
+    }
+
+    /// How far a body goes in a tick by its own speed, at most \[m\].
+    fn drift(&self, body: usize, tick_s: f64) -> f64 {
+        let velocities = self.state.bodies[body].velocities.iter();
+        velocities.map(Vector3::norm).fold(0.0, f64::max) * tick_s
+    }
+}
