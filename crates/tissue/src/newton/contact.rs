@@ -161,7 +161,9 @@ impl NewtonSolver {
             changes: tolerance,
             multipliers: gap_tolerance,
         };
-        // The matrix of a short last iteration will do.
+        // Any positive matrix of the equation will do, as what is undone has neither velocity nor force: that of the last iteration, if it
+        // holds no contact, as those are others now.
+        self.retains_matrix |= self.has_bare_factor && self.takes_interior_point();
         self.factorise(&problem, Tangent::Positive)
             .and_then(|()| self.solve_contacts(fixed, tolerances))
             .map_err(|failure| self.why_not_positive(failure))?;

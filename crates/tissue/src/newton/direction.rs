@@ -36,7 +36,8 @@ impl NewtonSolver {
             self.system.add_diagonal(node, *spring);
         }
         self.contacts.stiffen(&self.direction, &mut self.system);
-        match self.takes_interior_point() {
+        self.has_bare_factor = self.takes_interior_point();
+        match self.has_bare_factor {
             true => self.system.factorise_f64(problem.fixed),
             false => self.system.factorise(problem.fixed),
         }

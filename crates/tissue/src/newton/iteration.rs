@@ -66,7 +66,7 @@ impl NewtonSolver {
             self.publish(&problem);
             return Ok(report);
         }
-        self.retains_matrix = false;
+        (self.retains_matrix, self.has_bare_factor) = (false, false);
         report.converged = false;
         let mut tangent = Tangent::Exact;
         let (mut least, mut stagnated) = (f64::INFINITY, 0);

@@ -63,6 +63,8 @@ pub(crate) struct NewtonSolver {
     pub(super) stiffness: Vec<f64>,
     /// Whether the matrix of the last iteration is good for the next one.
     pub(super) retains_matrix: bool,
+    /// Whether the factor is one in f64 of a positive matrix without any contact.
+    pub(super) has_bare_factor: bool,
     /// The residual at the start of an iteration, while others are computed \[N\].
     pub(super) stored: Vec<Vector3<f64>>,
 }
@@ -91,6 +93,7 @@ impl NewtonSolver {
             element_work: work::of_iteration(model),
             stiffness: rest_stiffness(model),
             retains_matrix: false,
+            has_bare_factor: false,
             contacts: ContactSet::new(nodes, edge, solvers.augmented_lagrangian),
             augmented_lagrangian: AugmentedLagrangian::new(nodes, solvers.augmented_lagrangian),
             interior_point: InteriorPoint::new(nodes, solvers.interior_point),
