@@ -82,18 +82,18 @@ impl Aabb {
         sides
     }
 
-    /// From which to which fraction of the way from `a` to `b` the segment lies in the box, if it does; the boundary counts.
+    /// From which to which fraction of its length the segment from `a` to `b` lies in the box, if it does; the boundary counts.
     pub fn clip(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Option<[f64; 2]> {
         let [mut from, mut to] = [0.0f64, 1.0f64];
         for k in 0..3 {
-            let way = b[k] - a[k];
-            if way == 0.0 {
+            let along = b[k] - a[k];
+            if along == 0.0 {
                 if a[k] < self.min[k] || a[k] > self.max[k] {
                     return None;
                 }
                 continue;
             }
-            let [one, other] = [self.min[k], self.max[k]].map(|side| (side - a[k]) / way);
+            let [one, other] = [self.min[k], self.max[k]].map(|side| (side - a[k]) / along);
             from = from.max(one.min(other));
             to = to.min(one.max(other));
         }
@@ -131,6 +131,11 @@ mod tests {
         }
         assert!(!unit.overlaps(&Aabb::empty()));
         assert_eq!(unit.union(&Aabb::empty()), unit);
+        // By the diagonal of a face from half of its length before it to as much beyond, and beside it.
+        let diagonal = [Vector3::new(-0.5, -0.5, 0.5), Vector3::new(1.5, 1.5, 0.5)];
+        assert_eq!(unit.clip(&diagonal[0], &diagonal[1]), Some([0.25, 0.75]));
+        let beside = diagonal.map(|end| end + Vector3::z());
+        assert_eq!(unit.clip(&beside[0], &beside[1]), None);
         assert_eq!(unit.sides(&Vector3::new(-0.1, 1.1, 0.5)), 0b00_10_01);
         assert_eq!(unit.sides(&Vector3::new(0.0, 1.0, 1.5)), 0b10_00_00);
         assert!(
