@@ -5,17 +5,16 @@
 pub(crate) struct Division {
     /// Of the tick.
     parts: u32,
-    /// The part that each step ends with, ascending; the last one is `parts`.
+    /// The part that each step ends with, ascending; the last one is `parts`. Empty where each part is a step: explicit methods have millions.
     ends: Vec<u32>,
 }
 
 impl Division {
     /// Steps of equal length; at least one.
     pub fn even(steps: u32) -> Self {
-        let steps = steps.max(1);
         Self {
-            parts: steps,
-            ends: (1..=steps).collect(),
+            parts: steps.max(1),
+            ends: Vec::new(),
         }
     }
 
@@ -29,15 +28,21 @@ impl Division {
                 || near[part as usize]
                 || next.is_none_or(|near| *near)
         };
-        let ends = (0..parts).filter(|part| is_end(*part));
-        Self {
-            parts,
-            ends: ends.map(|part| part + 1).collect(),
+        let ends: Vec<u32> = (0..parts)
+            .filter(|part| is_end(*part))
+            .map(|part| part + 1)
+            .collect();
+        if ends.len() == near.len() {
+            return Self::even(parts);
         }
+        Self { parts, ends }
     }
 
     /// The same with each step divided into so many.
     pub fn divided(&self, factor: u32) -> Self {
+        if self.ends.is_empty() {
+            return Self::even(self.parts.saturating_mul(factor));
+        }
         let mut ends = Vec::new();
         for step in 0..self.count() {
             let [from, to] = self.step(step);
@@ -51,7 +56,10 @@ impl Division {
 
     /// Number of steps.
     pub fn count(&self) -> u32 {
-        self.ends.len() as u32
+        match self.ends.len() as u32 {
+            0 => self.parts,
+            count => count,
+        }
     }
 
     /// Number of even parts.
@@ -61,6 +69,9 @@ impl Division {
 
     /// From which to which part a step goes.
     pub fn step(&self, step: u32) -> [u32; 2] {
+        if self.ends.is_empty() {
+            return [step, step + 1];
+        }
         let end = |step: u32| self.ends[step as usize];
         [step.checked_sub(1).map_or(0, end), end(step)]
     }
