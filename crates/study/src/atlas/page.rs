@@ -43,7 +43,7 @@ impl Atlas {
             "<header><p class=\"brand\">MicroSim</p><h1>Stability atlas</h1>\n\
              <p class=\"lead\">Where the methods fail, and what helps: the largest stable step measured against theory, bad elements, large \
              steps, and a beam that must find back from shapes that no load makes.</p>\n\
-             <dl class=\"facts\"><div><dt>Limits measured</dt><dd>{}</dd></div><div><dt>Linear ones within 3 % of theory</dt><dd>{} of {}</dd></div>\
+             <dl class=\"facts\"><div><dt>Limits measured</dt><dd>{}</dd></div><div><dt>Infinitesimal motions within 3 % of theory</dt><dd>{} of {}</dd></div>\
              <div><dt>Largest difference</dt><dd>{}</dd></div><div><dt>Recoveries</dt><dd>{} of {}</dd></div></dl>\n{}<ul>\n",
             count(self.limits.len()),
             count(agreeing),

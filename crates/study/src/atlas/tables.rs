@@ -142,10 +142,17 @@ impl Atlas {
         let (compared, agreeing, worst) = self.agreement();
         if compared > 0 {
             found.push(format!(
-                "{agreeing} of {compared} limits of linear bodies agree with the exact prediction to {}; the largest difference is {}.",
+                "{agreeing} of {compared} limits of infinitesimal motions agree with the exact prediction to {}; the largest difference is {}.",
                 percent(TOLERANCE),
                 percent(worst)
             ));
+            let others = self.disagreeing();
+            if !others.is_empty() {
+                found.push(format!(
+                    "Those that differ by more are of {}. Where fibres carry tension alone, an unstretched body has no linear range.",
+                    others.join(", ")
+                ));
+            }
         }
         found.extend(self.finite_motion());
         found.extend(self.fastest_recoveries());
@@ -164,6 +171,20 @@ impl Atlas {
             ));
         }
         found
+    }
+
+    /// The materials with limits that are not as predicted, with the number of them.
+    fn disagreeing(&self) -> Vec<String> {
+        self.limits
+            .chunk_by(|a, b| a.substance == b.substance)
+            .filter_map(|limits| {
+                let number = limits
+                    .iter()
+                    .filter(|limit| limit.agrees(TOLERANCE) == Some(false))
+                    .count();
+                (number > 0).then(|| format!("{} ({number})", limits[0].substance.name()))
+            })
+            .collect()
     }
 
     /// What the largest random offsets leave of the limit of Störmer–Verlet.

@@ -76,3 +76,15 @@ fn tables_hold_every_run_and_the_page_every_figure() {
         figures.len() + 1
     );
 }
+
+#[test]
+fn materials_with_unexpected_limits_are_named() {
+    let mut atlas = small();
+    let named = |atlas: &Atlas| {
+        let mut sentences = atlas.findings().into_iter();
+        sentences.find(|sentence| sentence.contains("springs + volumes (1)"))
+    };
+    assert_eq!(named(&atlas), None);
+    atlas.limits[0].exact *= 1.0 + 2.0 * TOLERANCE;
+    assert!(named(&atlas).unwrap().starts_with("Those that differ"));
+}
