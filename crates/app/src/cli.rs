@@ -35,6 +35,9 @@ pub struct Place {
     /// More training modules: a folder with a folder for each, or that of one, built with cargo or not; may be given several times
     #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]
     pub modules: Vec<PathBuf>,
+    /// Folder for sessions, trainees, settings of this station, cache and logs [default: those of the system, or MICROSIM_DATA]
+    #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]
+    pub data: Option<PathBuf>,
     /// Which modules, sources and translators run in a process of their own: guests (what the installation did not bring), all, or none
     #[arg(long, global = true, value_name = "WHICH", help_heading = "Guests", default_value = "guests", value_parser = parse_isolate)]
     pub isolate: Isolate,

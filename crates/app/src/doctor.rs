@@ -57,7 +57,7 @@ pub fn doctor(place: &Place) -> Result<Exit, Problem> {
             print(format!("sessions       {}", unwritable(&folder, error)))?;
         }
     }
-    match station::path().and_then(|path| Ok((station::this()?, path))) {
+    match station::path(place).and_then(|path| Ok((station::this(place)?, path))) {
         Ok((Some(this), path)) => print(format!("station        {this} ({})", path.display()))?,
         Ok((None, path)) => print(format!(
             "station        no key yet; the first run makes {}",

@@ -19,6 +19,7 @@ mod digests;
 mod discretisation;
 mod doctor;
 mod fit;
+mod folders;
 mod guest;
 mod key_pictures;
 mod list;

@@ -45,7 +45,7 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
         tracing::warn!("plugin \"{name}\" is not the build that made this recording");
     }
     let session = reader.session();
-    let finding = Finding::new(&installation, args, session, &outcome)?;
+    let finding = Finding::new(&installation, args, station::this(place), session, &outcome)?;
     if args.json {
         print_json(&finding.json(args, session, &outcome))?;
     } else {
@@ -80,6 +80,7 @@ impl Finding {
     fn new(
         installation: &Installation,
         args: &ReplayArgs,
+        this: Result<Option<Station>, String>,
         session: &Session,
         outcome: &ReplayOutcome,
     ) -> Result<Self, Problem> {
@@ -88,7 +89,6 @@ impl Finding {
         // A verdict of other limits or other tissue is none of this level, however exactly it is computed again.
         let other_settings = differences(installation, &session.header.plan)
             .unwrap_or_else(|error| vec![error.to_string()]);
-        let this = station::this();
         let trusted = |station: &Station| {
             this.as_ref().is_ok_and(|this| *this == Some(*station))
                 || args

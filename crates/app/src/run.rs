@@ -122,7 +122,7 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
     {
         return Err("--stop-at lies before the checkpoint that the run goes on from".into());
     }
-    let outcome = carry_out(&installation, &plan, args, resume)?;
+    let outcome = carry_out(place, &installation, &plan, args, resume)?;
     finish(&installation, &plan, args, &session, &outcome)
 }
 
@@ -182,6 +182,7 @@ pub fn refuse_old_pictures(folder: &Path) -> Result<(), Problem> {
 }
 
 fn carry_out(
+    place: &Place,
     installation: &Installation,
     plan: &RunPlan,
     args: &RunArgs,
@@ -212,7 +213,7 @@ fn carry_out(
             .map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64),
         stop: &stop,
         trainee: args.trainee.clone(),
-        key: station::key()
+        key: station::key(place)
             .inspect_err(|why| complain(format!("the recording is not signed: {why}")))
             .ok(),
         progress: &mut |time, reported| match reported {

@@ -1,5 +1,7 @@
 //! The key of this station, which signs the sessions that it records: a file outside of every session, that its owner alone may read.
 
+use crate::cli::Place;
+use crate::folders::Folders;
 use microsim_session::{Station, StationKey};
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -14,30 +16,21 @@ const FIRST_LINE: &str =
     "MicroSim station key: secret, whoever has it can sign in the name of this station";
 
 /// Where the key lies: as the environment states, else in the data folder of the user.
-pub fn path() -> Result<PathBuf, String> {
-    let variable = |name| std::env::var_os(name).filter(|value| !value.is_empty());
-    if let Some(path) = variable(VARIABLE) {
-        return Ok(path.into());
+pub fn path(place: &Place) -> Result<PathBuf, String> {
+    match std::env::var_os(VARIABLE).filter(|value| !value.is_empty()) {
+        Some(path) => Ok(path.into()),
+        None => Ok(Folders::of(place)?.data.join("station.key")),
     }
-    let data = variable("XDG_DATA_HOME").map(PathBuf::from);
-    let home = || variable("HOME").map(|home| Path::new(&home).join(".local/share"));
-    let data = data.filter(|path| path.is_absolute()).or_else(home);
-    let data = data.ok_or_else(|| {
-        format!(
-            "there is no place for its key: neither {VARIABLE} nor XDG_DATA_HOME nor HOME is set"
-        )
-    })?;
-    Ok(data.join("microsim/station.key"))
 }
 
 /// This station, if it has a key.
-pub fn this() -> Result<Option<Station>, String> {
-    Ok(read(&path()?)?.map(|key| key.station()))
+pub fn this(place: &Place) -> Result<Option<Station>, String> {
+    Ok(read(&path(place)?)?.map(|key| key.station()))
 }
 
 /// The key of this station, made at its first use.
-pub fn key() -> Result<StationKey, String> {
-    let path = path()?;
+pub fn key(place: &Place) -> Result<StationKey, String> {
+    let path = path(place)?;
     if let Some(key) = read(&path)? {
         return Ok(key);
     }
