@@ -78,6 +78,12 @@ pub const BENCHES: &[Program] = &[
         shows: "walls with fibres: cost per element beside rubber, a carotid that is gripped",
     },
     Program {
+        name: "dissertation",
+        package: TESTS,
+        example: "bench_dissertation",
+        shows: "figures of the dissertation, with its methods and with ours",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",
