@@ -1,91 +1,77 @@
-//! `cargo xtask bench` and `cargo xtask soak`: measurements and long checks, by name. Each is an example of a package; those of
+//! `cargo xtask bench` and `cargo xtask soak`: measurements and long checks, by name. Each is an example; those of
 //! `microsim-tests` work on the assembled tree.
 
 use crate::child;
 use crate::failure::Failure;
 use crate::workspace::Workspace;
 use std::ffi::OsString;
+use std::process::Command;
 
 /// A program with a name.
 #[derive(Debug)]
 pub struct Program {
     /// On the command line.
     pub name: &'static str,
-    /// The package that has it.
-    pub package: &'static str,
-    /// Its name there.
+    /// The example that it is; names of examples differ.
     pub example: &'static str,
     /// What it shows, for the help.
     pub shows: &'static str,
 }
 
-const TESTS: &str = "microsim-tests";
-
 /// What `bench` runs.
 pub const BENCHES: &[Program] = &[
     Program {
         name: "host",
-        package: TESTS,
         example: "bench_host",
         shows: "cost per step of host, bus and recording without physics, p50 and p99",
     },
     Program {
         name: "kernels",
-        package: TESTS,
         example: "bench_kernels",
         shows: "cost of forces and of an explicit step per tetrahedron, cache, memory",
     },
     Program {
         name: "solvers",
-        package: TESTS,
         example: "bench_solvers",
         shows: "cost of implicit methods: phases, first peak, rest, larger beams",
     },
     Program {
         name: "counts",
-        package: TESTS,
         example: "bench_counts",
         shows: "instructions of kernels under callgrind, compared with the recorded ones",
     },
     Program {
         name: "contact",
-        package: TESTS,
         example: "bench_contact",
         shows: "contact: two tubes that collide, a thin wall, a vessel with two tools, size",
     },
     Program {
         name: "cutting",
-        package: "microsim-scene",
         example: "cut_tick",
         shows: "cutting: a tick that divides about 60 elements, over the size of the body",
     },
     Program {
         name: "coordination",
-        package: TESTS,
         example: "bench_coordination",
         shows: "CPU time per picture of 16 ms of each level, shares of the plugins",
     },
     Program {
         name: "cut-error",
-        package: TESTS,
         example: "bench_cut_error",
         shows: "what the mesh adds to angle and place of a cut, on other meshes; their cost",
     },
     Program {
         name: "vessels",
-        package: TESTS,
         example: "bench_vessels",
         shows: "walls with fibres: cost per element beside rubber, a carotid that is gripped",
     },
     Program {
         name: "dissertation",
-        package: TESTS,
         example: "bench_dissertation",
         shows: "figures of the dissertation, with its methods and with ours",
     },
     Program {
         name: "peers",
-        package: TESTS,
         example: "bench_peers",
         shows: "the reference beam in MuJoCo, Drake and pyPBD (from PyPI) and in ours",
     },
@@ -95,91 +81,76 @@ pub const BENCHES: &[Program] = &[
 pub const SOAKS: &[Program] = &[
     Program {
         name: "kills",
-        package: TESTS,
         example: "soak_kills",
         shows: "200 runs killed by `kill -9`: what of each session can be read",
     },
     Program {
         name: "guests",
-        package: TESTS,
         example: "soak_guests",
         shows: "guests that end their process, 20 times each; cost of a process of its own",
     },
     Program {
         name: "digests",
-        package: TESTS,
         example: "soak_digests",
         shows: "physics digest of every shipped script and scene, against the recorded ones",
     },
     Program {
         name: "convergence",
-        package: TESTS,
         example: "soak_convergence",
         shows: "how far the solver comes in every script, shipped and crippled",
     },
     Program {
         name: "sessions",
-        package: TESTS,
         example: "soak_sessions",
         shows: "sessions of up to two hours: CPU per second, memory of report and replay",
     },
     Program {
         name: "cuts",
-        package: "microsim-cutting",
         example: "soak_cuts",
         shows: "10,000 random cuts of blocks, tubes and filled meshes, checked step by step",
     },
     Program {
         name: "tremor",
-        package: "microsim-cutting",
         example: "soak_tremor",
         shows: "1,000 strokes of a trembling hand through a body: what still hangs together",
     },
     Program {
         name: "followers",
-        package: "microsim-scene",
         example: "soak_followers",
         shows: "1,000 random cuts; model, solver and contact that follow against new ones",
     },
     Program {
         name: "stability",
-        package: "microsim-tissue",
         example: "cut_stability",
         shows: "500 cuts in a cube, then 10,000 steps with the mass floor and without",
     },
     Program {
         name: "scenes",
-        package: "microsim-scene",
         example: "soak_scenes",
         shows: "every shipped scene to its end, and whether what it expects comes out",
     },
     Program {
         name: "trainees",
-        package: TESTS,
         example: "soak_trainees",
         shows: "synthetic experts and novices on a level (-- MODULE LEVEL N)",
     },
     Program {
         name: "effects",
-        package: TESTS,
         example: "soak_effects",
         shows: "experts against novices: effect sizes, verdicts that change (-- N SEED)",
     },
     Program {
         name: "matrix",
-        package: TESTS,
         example: "soak_matrix",
         shows: "every level without physics, friction, cutting, plasticity: none may pass",
     },
     Program {
         name: "training",
-        package: TESTS,
         example: "soak_training",
         shows: "60 minutes of all scripts in one process (-- --minutes N): faults, memory",
     },
     Program {
         name: "hands",
-        package: TESTS,
         example: "soak_hands",
         shows: "10 hours of random hands on every level (-- SECONDS SEED): held, too slow",
     },
@@ -233,19 +204,14 @@ pub fn run(
     program: &Program,
     arguments: &[OsString],
 ) -> Result<(), Failure> {
-    let mut cargo = workspace.cargo_with_tree();
-    cargo.args([
-        "run",
-        "--release",
-        "-p",
-        program.package,
-        "--example",
-        program.example,
-    ]);
-    if !arguments.is_empty() {
-        cargo.arg("--").args(arguments);
-    }
-    child::must(&mut cargo)
+    let mut cargo = workspace.cargo();
+    // With the whole workspace selected, dependencies have the features that they have in tests: what tests have built is not built again.
+    let build = ["build", "--release", "--workspace", "--example"];
+    cargo.args(build).arg(program.example);
+    child::must(&mut cargo)?;
+    let file = format!("{}{}", program.example, std::env::consts::EXE_SUFFIX);
+    let example = Command::new(workspace.release().join("examples").join(file));
+    child::must(workspace.with_tree(example).args(arguments))
 }
 
 #[cfg(test)]

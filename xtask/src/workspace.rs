@@ -79,13 +79,17 @@ impl Workspace {
 
     /// Cargo for programs that work on the assembled tree.
     pub fn cargo_with_tree(&self) -> Command {
-        let mut cargo = self.cargo();
-        cargo.env(TREE_VARIABLE, self.tree());
+        self.with_tree(self.cargo())
+    }
+
+    /// A program that works on the assembled tree.
+    pub fn with_tree(&self, mut program: Command) -> Command {
+        program.env(TREE_VARIABLE, self.tree());
         // Otherwise a layer of the graphics driver prints a line about the missing folder at every start.
         if env::var_os("XDG_RUNTIME_DIR").is_none() {
-            cargo.env("NODEVICE_SELECT", "1");
+            program.env("NODEVICE_SELECT", "1");
         }
-        cargo
+        program
     }
 }
 
