@@ -91,7 +91,7 @@ else:
 
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 4), constrained_layout=True)
     left.boxplot([values[group] for group in chosen.groups], tick_labels=list(chosen.groups))
-    left.set_ylabel(chosen.what)
+    left.set_ylabel(f"{chosen.what} [s]" if chosen.what == "duration" else chosen.what)
     left.set_title(f"g = {comparison.g:.2f} ({comparison.low:.2f} to {comparison.high:.2f})")
     for (group, who), curve in curves.items():
         right.plot(range(1, len(curve.values) + 1), curve.values, marker=".", label=f"{group}, {who or 'all'}")
@@ -99,7 +99,7 @@ else:
         right.axhline(curve.upper, color="red", linewidth=0.5)
     right.set_xlabel("attempt")
     right.set_ylabel("CUSUM")
-    right.legend(fontsize="small")
+    right.legend(fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5))
     picture = chosen.out / "compare_groups.png"
     figure.savefig(picture, dpi=150)
     print(f"Picture: {picture}")

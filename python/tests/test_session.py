@@ -155,9 +155,9 @@ class Recorded(unittest.TestCase):
             attempt = session.attempt(str(self.path))
             assert session.ending is not None
             self.assertEqual(session.ending.state, "clean")
-            self.assertEqual(session.header["version"], self.report["version"])
-        report = self.report
-        self.assertEqual((attempt.module, attempt.level), (report["module"], report["level"]))
+            self.assertEqual(session.header["version"], self.report["session"]["version"])
+        report, of = self.report, self.report["session"]
+        self.assertEqual((attempt.module, attempt.level, attempt.started), (of["module"], of["level"], of["started"]))
         self.assertEqual((attempt.verdict, attempt.counts), (report["verdict"], report["counts"]))
         self.assertEqual((attempt.score, attempt.duration), (report["score"], report["duration"]))
         values = {metric["id"]: metric["value"] for metric in report["metrics"] if metric["value"] is not None}

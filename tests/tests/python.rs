@@ -12,13 +12,19 @@ const LEAST: (u32, u32) = (3, 10);
 /// A Python that can make environments; otherwise why there is none.
 fn python() -> Result<PathBuf, String> {
     let mut ask = Command::new("python3");
-    ask.args(["-c", "import ensurepip, sys, venv; print(*sys.version_info[:2])"]);
+    ask.args([
+        "-c",
+        "import ensurepip, sys, venv; print(*sys.version_info[:2])",
+    ]);
     let output = ask.output().map_err(|e| format!("python3: {e}"))?;
     if !output.status.success() {
         return Err("python3 has no venv or ensurepip".into());
     }
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let numbers: Vec<u32> = text.split_whitespace().filter_map(|n| n.parse().ok()).collect();
+    let numbers: Vec<u32> = text
+        .split_whitespace()
+        .filter_map(|n| n.parse().ok())
+        .collect();
     match numbers[..] {
         [major, minor] if (major, minor) >= LEAST => Ok("python3".into()),
         _ => Err(format!("python3 is {}, older than 3.10", text.trim())),
@@ -32,7 +38,14 @@ fn environment(python: &Path) -> PathBuf {
     finish(Command::new(python).args(["-m", "venv"]).arg(&folder)).expect(0);
     let own = folder.join("bin/python");
     let mut pip = Command::new(&own);
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-index"]);
+    pip.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--no-index",
+    ]);
     finish(pip.arg(repository().join("python"))).expect(0);
     own
 }
@@ -42,9 +55,19 @@ fn group(profile: &str, count: u64, folder: &Path) -> Vec<f64> {
     let plan = repository().join("modules/touch-spheres/scripts/level1-pass.toml");
     let attempt = |seed: u64| {
         let script = folder.join(format!("{profile}-{seed}.toml"));
-        let words = ["trainee", plan.to_str().expect("UTF-8"), "--profile", profile, "--seed"];
+        let words = [
+            "trainee",
+            plan.to_str().expect("UTF-8"),
+            "--profile",
+            profile,
+            "--seed",
+        ];
         let seed = seed.to_string();
-        let words = [&words[..], &[&seed, "--out", script.to_str().expect("UTF-8")]].concat();
+        let words = [
+            &words[..],
+            &[&seed, "--out", script.to_str().expect("UTF-8")],
+        ]
+        .concat();
         microsim(words).expect(0);
         let session = folder.join(format!("{profile}-{seed}.session"));
         let input = format!("script:{}", script.display());
@@ -67,11 +90,16 @@ fn the_package_reads_what_runs_have_recorded() {
     };
     let python = environment(&python);
     let folder = scratch();
-    let (experts, novices) = (group("expert", 3, folder.path()), group("novice", 4, folder.path()));
+    let (experts, novices) = (
+        group("expert", 3, folder.path()),
+        group("novice", 4, folder.path()),
+    );
 
     let mut tests = Command::new(&python);
     tests.args(["-m", "unittest", "discover", "--verbose", "-s"]);
-    tests.arg(repository().join("python/tests")).current_dir(folder.path());
+    tests
+        .arg(repository().join("python/tests"))
+        .current_dir(folder.path());
     tests.env("MICROSIM_SESSION", folder.path().join("novice-1.session"));
     let printed = finish(&mut tests).expect(0).err;
     for test in [
@@ -84,11 +112,20 @@ fn the_package_reads_what_runs_have_recorded() {
 
     let mut example = Command::new(&python);
     example.arg(repository().join("python/examples/compare_groups.py"));
-    example.arg("--sessions").arg(folder.path()).current_dir(folder.path());
+    example
+        .arg("--sessions")
+        .arg(folder.path())
+        .current_dir(folder.path());
     let printed = finish(&mut example).expect(0).out;
     let [first, second] = [&experts, &novices].map(|values| Group::of(values).expect("several"));
     let (g, _) = hedges(&first, &second).expect("they vary");
-    assert!(printed.contains("expert: 3 attempts") && printed.contains("novice: 4 attempts"), "{printed}");
-    assert!(printed.contains(&format!("Hedges' g {g:.2} (95 %: ")), "{g} in {printed}");
+    assert!(
+        printed.contains("expert: 3 attempts") && printed.contains("novice: 4 attempts"),
+        "{printed}"
+    );
+    assert!(
+        printed.contains(&format!("Hedges' g {g:.2} (95 %: ")),
+        "{g} in {printed}"
+    );
     assert_eq!(printed.matches(", CUSUM ").count(), 2, "{printed}");
 }

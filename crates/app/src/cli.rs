@@ -9,9 +9,11 @@ mod value;
 pub use physics::{
     AtlasArgs, ChartArgs, FitArgs, MeshCommand, MeshRefineArgs, SimulateArgs, TuneArgs,
 };
-pub use place::Place;
+pub use place::{Place, Verbosity};
 pub use session::{BusArgs, ReplayArgs, ReportArgs, RunArgs, TraineeArgs};
-pub use tree::{CheckArgs, DigestsArgs, ListArgs, SchemaArgs};
+pub use tree::{
+    CheckArgs, CompletionsArgs, DigestsArgs, DoctorArgs, ListArgs, ManArgs, SchemaArgs,
+};
 
 use clap::{Parser, Subcommand};
 use std::path::Path;
@@ -22,10 +24,12 @@ use std::path::Path;
 /// (`replay --verify`, `check`, `simulate` that diverged or did not come to rest as it should, `run --require-pass`), 2 could not run, 3 `run` is done and recorded but
 /// could not write its report.
 #[derive(Debug, Parser)]
-#[command(name = "microsim", version, arg_required_else_help = true)]
+#[command(name = "microsim", version = crate::version::text(), arg_required_else_help = true)]
 pub struct Cli {
     #[command(flatten)]
     pub place: Place,
+    #[command(flatten)]
+    pub verbosity: Verbosity,
     #[command(subcommand)]
     pub command: Command,
 }
@@ -61,8 +65,12 @@ pub enum Command {
     Mesh(MeshCommand),
     /// Print the JSON Schema of a kind of file, for editors
     Schema(SchemaArgs),
-    /// Show what this machine has and lacks
-    Doctor,
+    /// Show what this machine has and lacks, and where everything lies
+    Doctor(DoctorArgs),
+    /// Print what a shell needs to complete commands and options
+    Completions(CompletionsArgs),
+    /// Write manual pages: one for the program, one for each command
+    Man(ManArgs),
     /// The process of a guest: started by runs alone
     #[command(hide = true)]
     Guest,
@@ -78,6 +86,23 @@ impl Command {
             Self::Run(args) => args.trace.as_deref(),
             Self::Replay(args) => args.trace.as_deref(),
             Self::Simulate(args) => args.trace.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// Its name in the log, if it is in the log: what computes or records. What only shows leaves no trace.
+    pub fn logged(&self) -> Option<&'static str> {
+        match self {
+            Self::Run(_) => Some("run"),
+            Self::Simulate(_) => Some("simulate"),
+            Self::Chart(_) => Some("chart"),
+            Self::Atlas(_) => Some("atlas"),
+            Self::Tune(_) => Some("tune"),
+            Self::Fit(_) => Some("fit"),
+            Self::Replay(_) => Some("replay"),
+            Self::Report(_) => Some("report"),
+            Self::Trainee(_) => Some("trainee"),
+            Self::Mesh(_) => Some("mesh"),
             _ => None,
         }
     }

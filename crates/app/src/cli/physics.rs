@@ -33,6 +33,10 @@ pub struct SimulateArgs {
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads: u16,
     /// Write one JSON document with everything to this file, or, without FILE, alone to standard output
+    ///
+    /// Keys: scene, set, without, run, method, method_settings, dt, steps, simulated_s, cpu_s, threads, status, diverged, came_to_rest,
+    /// recoveries, most_substeps, stiffened, jumps, warnings, physics_digest, state_hash, bodies, series, contacts, crossings, cut, probes,
+    /// expectations
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = utf8_path)]
     pub json: Option<PathBuf>,
     /// Write what the probes of the scene measured to this file: a row per sample, in SI
@@ -75,6 +79,11 @@ pub struct ChartArgs {
     /// A date for the page; without one the same results give the same page
     #[arg(long, value_name = "TEXT")]
     pub date: Option<String>,
+    /// Print one JSON document
+    ///
+    /// Keys: command, machine, seconds, page, table, panels, left_out, runs (the rows of the table, by its columns)
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -88,12 +97,17 @@ pub struct AtlasArgs {
     /// A date for the page
     #[arg(long, value_name = "TEXT")]
     pub date: Option<String>,
+    /// Print one JSON document
+    ///
+    /// Keys: command, machine, seconds, page, findings, tables (the rows of each, by its columns)
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   microsim tune cantilever --dry-run
-  microsim tune push-strip --level 2
+  microsim tune push-strip --level 2 --out level2.toml
   microsim tune my/scene.toml --verify")]
 pub struct TuneArgs {
     /// Scene (a file, or the name of one in config/scenes), or module with --level
@@ -107,9 +121,18 @@ pub struct TuneArgs {
     /// Write nothing
     #[arg(long)]
     pub dry_run: bool,
+    /// Write the file as tuned to this place [default: where it is; a file of the installation is never written]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["dry_run", "verify"], value_parser = utf8_path)]
+    pub out: Option<PathBuf>,
     /// Choose nothing: run the file as it is and compare with the figures in it; exit with status 1 if they are not confirmed
     #[arg(long, conflicts_with = "dry_run")]
     pub verify: bool,
+    /// Print one JSON document
+    ///
+    /// Keys: file, demanded, chosen, trials, measure, doubt, error_of_linear_tetrahedra, written. With --verify: file, demanded, figures, cost,
+    /// confirmed
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -137,6 +160,8 @@ pub struct FitArgs {
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub out: Option<PathBuf>,
     /// Print one JSON document
+    ///
+    /// Keys: law, stress, constants, correlations, goodness, searches, warnings, toml
     #[arg(long)]
     pub json: bool,
 }
@@ -176,4 +201,9 @@ pub struct MeshRefineArgs {
     /// Most tetrahedra of the result [default: those that a body may have, 5000000]
     #[arg(long, value_name = "N")]
     pub limit: Option<u64>,
+    /// Print one JSON document
+    ///
+    /// Keys: input, output, notes, before, after (nodes, tetrahedra, shortest_height of both)
+    #[arg(long)]
+    pub json: bool,
 }

@@ -1,7 +1,7 @@
 //! Where the installation and the files of a user are: options of every command.
 
 use super::value::{parse_isolate, utf8_path};
-use clap::Args;
+use clap::{ArgAction, Args};
 use microsim_host::assemble::Isolate;
 use std::path::PathBuf;
 
@@ -29,4 +29,22 @@ pub struct Place {
     /// Let guests take as long and as much memory as they like, so that a debugger can be attached; their process ids are printed
     #[arg(long, global = true, help_heading = "Guests")]
     pub no_deadline: bool,
+}
+
+/// How much goes to standard error.
+#[derive(Debug, Args)]
+pub struct Verbosity {
+    /// More on standard error: what is done (-v), how long its stages take (-vv), everything (-vvv) [else as RUST_LOG has it: warnings]
+    #[arg(short, long, global = true, action = ArgAction::Count, help_heading = "Output")]
+    pub verbose: u8,
+    /// Less: neither warnings nor progress (-q), nor errors of parts (-qq); why the command could not run is always printed
+    #[arg(short, long, global = true, action = ArgAction::Count, help_heading = "Output")]
+    pub quiet: u8,
+}
+
+impl Verbosity {
+    /// Steps above warnings; below where it is negative.
+    pub fn level(&self) -> i32 {
+        i32::from(self.verbose) - i32::from(self.quiet)
+    }
 }

@@ -68,6 +68,10 @@ pub struct RunArgs {
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub trace: Option<PathBuf>,
     /// Print one JSON document
+    ///
+    /// Keys: module, level, seed, verdict, counts, synthetic, failed, score, targets_done, targets, ticks, solver, implausible, late_ticks,
+    /// state_hash, physics_digest, session, report, pictures, failure. With --explain: module, level, tick_s, steps, plugins, parts, without,
+    /// settings_of_station
     #[arg(long)]
     pub json: bool,
 }
@@ -97,6 +101,9 @@ pub struct ReplayArgs {
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub trace: Option<PathBuf>,
     /// Print one JSON document
+    ///
+    /// Keys: session, ticks, verified, recomputed, other_settings, unchanged, signature, resumed, guest_ended, first_difference, state_hash,
+    /// recorded_hash, complaint, rebuilt, pictures
     #[arg(long)]
     pub json: bool,
 }
@@ -122,6 +129,9 @@ pub struct ReportArgs {
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub series: Option<PathBuf>,
     /// Print one JSON document
+    ///
+    /// Keys: format, session, verdict, counts, failed, reasons, duration, simulated, phase, targets_done, targets, score, categories, metrics,
+    /// input, implausible, presence, series, forces, events, moments, solver, recoveries, warnings
     #[arg(long)]
     pub json: bool,
 }
@@ -146,6 +156,11 @@ pub struct TraineeArgs {
     /// Script to write; it must not exist
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub out: PathBuf,
+    /// Print one JSON document
+    ///
+    /// Keys: script, plan, profile, seed, synthetic, duration_s, planned_s
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -163,6 +178,9 @@ pub struct BusArgs {
     #[arg(long, requires = "session", conflicts_with = "json")]
     pub follow: bool,
     /// Print one JSON document
+    ///
+    /// A list. Keys of each message: tick, time, from, kind, message; without a session of each kind: kind, version, when_full, published_by,
+    /// heard_by
     #[arg(long)]
     pub json: bool,
 }
