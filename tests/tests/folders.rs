@@ -237,7 +237,13 @@ fn settings_of_the_station_take_the_place_of_shipped_ones() {
     with_session.extend(["--session", "x.session", "--no-pictures"]);
     station.microsim(&with_session).expect(0);
     let page = fs::read_to_string(station.tree.path("x.html")).expect("a page");
-    assert!(page.contains("<html lang=\"de\""), "{}", &page[..200]);
+    let opens = page
+        .lines()
+        .find(|line| line.contains("id=\"language-de\""));
+    assert!(
+        opens.is_some_and(|line| line.contains(" checked")),
+        "{opens:?}"
+    );
     // A folder of settings that is asked for is all that counts.
     let shipped = station.tree.path("config");
     let mut of_folder = vec!["--config", shipped.to_str().expect("UTF-8")];
