@@ -237,12 +237,12 @@ fn settings_of_the_station_take_the_place_of_shipped_ones() {
     with_session.extend(["--session", "x.session", "--no-pictures"]);
     station.microsim(&with_session).expect(0);
     let page = fs::read_to_string(station.tree.path("x.html")).expect("a page");
-    let opens = page
-        .lines()
-        .find(|line| line.contains("id=\"language-de\""));
+    let german = page
+        .split_once("id=\"language-de\"")
+        .and_then(|(_, rest)| rest.split('>').next());
     assert!(
-        opens.is_some_and(|line| line.contains(" checked")),
-        "{opens:?}"
+        german.is_some_and(|of| of.ends_with(" checked")),
+        "{german:?}"
     );
     // A folder of settings that is asked for is all that counts.
     let shipped = station.tree.path("config");
