@@ -151,8 +151,19 @@ where
 {
     let mut command = Command::new(program());
     command.args(args).current_dir(repository());
-    command.env("MICROSIM_STATION_KEY", station_key());
+    apart(&mut command);
     command
+}
+
+/// Has a command leave the folders of whoever runs the tests as they are: it has settings, logs, sessions and a key of the tests.
+pub fn apart(command: &mut Command) {
+    command.env("MICROSIM_DATA", data());
+    command.env("MICROSIM_STATION_KEY", station_key());
+}
+
+/// The folder that the tests have instead of those of a user: beside the built tree.
+pub fn data() -> PathBuf {
+    tree().with_extension("tests")
 }
 
 /// The key that sessions of the tests are signed with: beside the built tree, not in the data folder of whoever runs them.

@@ -47,7 +47,7 @@ fn played(root: &Path) -> (Vec<ToolStates>, Vec<ToolSample>) {
     let session = root.join("x.session");
     let mut run = Command::new(microsim_tests::program());
     run.current_dir(repository()).arg("--root").arg(root);
-    run.env("MICROSIM_STATION_KEY", microsim_tests::station_key());
+    microsim_tests::apart(&mut run);
     run.args([
         "run",
         "touch-spheres",

@@ -8,21 +8,20 @@ use crate::workspace::Workspace;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Motion of a real hand, below the repository and below the tree alike.
 const RECORDING: &str = "recording:assets/recordings/cataract-stylus/stylus.csv";
 
 /// `microsim run` with the operator's arguments, in the operator's folder.
 pub fn run_simulator(workspace: &Workspace, arguments: &[OsString]) -> Failure {
-    child::become_program(Command::new(workspace.program()).arg("run").args(arguments))
+    child::become_program(workspace.simulator().arg("run").args(arguments))
 }
 
 /// The demonstration.
 pub fn demonstrate(workspace: &Workspace) -> Result<(), Failure> {
-    let places = Places::new(&workspace.tree().join("sessions"));
+    let places = Places::new(&workspace.data().join("sessions"));
     places.prepare()?;
-    let mut run = Command::new(workspace.program());
+    let mut run = workspace.simulator();
     run.current_dir(&workspace.root);
     run.args([
         "run",
@@ -39,7 +38,7 @@ pub fn demonstrate(workspace: &Workspace) -> Result<(), Failure> {
     }
     child::must(run.arg("--session").arg(&places.session))?;
 
-    let mut replay = Command::new(workspace.program());
+    let mut replay = workspace.simulator();
     replay.current_dir(&workspace.root).arg("replay");
     child::must(replay.arg(&places.session).arg("--verify"))?;
 

@@ -17,7 +17,6 @@ use age::{Age, History};
 use page::{Again, Head, Page};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 const FOLDER: &str = "tests/results";
 
@@ -197,7 +196,7 @@ fn start(workspace: &Workspace, line: &str) -> Result<(), Failure> {
     let rest = |words: std::str::SplitWhitespace| words.map(OsString::from).collect::<Vec<_>>();
     match (words.next(), words.clone().next()) {
         (Some("microsim"), _) => {
-            let mut program = Command::new(workspace.program());
+            let mut program = workspace.simulator();
             child::must(program.args(words).current_dir(&workspace.root))
         }
         (Some("cargo"), Some("xtask")) => {

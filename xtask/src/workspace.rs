@@ -8,6 +8,9 @@ use std::process::Command;
 /// Environment variable that names the assembled tree to the integration tests.
 pub const TREE_VARIABLE: &str = "MICROSIM_TREE";
 
+/// Environment variable that names the simulator a folder for what belongs to its user.
+const DATA_VARIABLE: &str = "MICROSIM_DATA";
+
 /// The folders of this workspace.
 #[derive(Clone, Debug)]
 pub struct Workspace {
@@ -66,6 +69,20 @@ impl Workspace {
     pub fn program(&self) -> PathBuf {
         self.tree()
             .join(format!("microsim{}", env::consts::EXE_SUFFIX))
+    }
+
+    /// The simulator in the tree, with a folder of its own below cargo's instead of those of the user, unless another is named.
+    pub fn simulator(&self) -> Command {
+        let mut simulator = Command::new(self.program());
+        if env::var_os(DATA_VARIABLE).is_none_or(|folder| folder.is_empty()) {
+            simulator.env(DATA_VARIABLE, self.data());
+        }
+        simulator
+    }
+
+    /// Where the simulator puts sessions, logs and its key when `cargo xtask` runs it.
+    pub fn data(&self) -> PathBuf {
+        self.target.join("microsim.data")
     }
 
     /// Cargo, in the repository, building into the same target folder as this program.

@@ -2,11 +2,13 @@
 
 use crate::chart::{machine, thread_seconds};
 use crate::cli::AtlasArgs;
-use crate::output::{Exit, Problem, print};
-use crate::progress::StatusLine;
+use crate::output::{Exit, Problem, print, print_json};
+use crate::progress::Progress;
+use crate::table_rows::table_rows;
 use microsim_settings::unwritable;
 use microsim_study::PageInfo;
 use microsim_study::atlas::{Atlas, Extent};
+use serde_json::{Map, json};
 use std::time::Instant;
 
 /// Makes the atlas.
@@ -18,11 +20,11 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     } else {
         Extent::Full
     };
-    let status = StatusLine::new();
-    let atlas = Atlas::make(extent, &thread_seconds, &mut |what| {
-        status.show(|| format!("{:.0} s: {what}", start.elapsed().as_secs_f64()));
+    let progress = Progress::new();
+    let atlas = Atlas::make(extent, &thread_seconds, &mut |part, what| {
+        progress.show(Some(part), || what.to_owned());
     });
-    status.finish();
+    progress.clear();
     let info = PageInfo {
         machine: machine(),
         command: format!("microsim atlas{}", if args.short { " --quick" } else { "" }),
@@ -44,6 +46,22 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     for (name, text) in files {
         let path = args.out.join(name);
         std::fs::write(&path, text).map_err(|e| unwritable(&path, e))?;
+    }
+    if args.json {
+        let mut tables = Map::new();
+        for (name, text) in atlas.to_csv() {
+            let name = name.trim_end_matches(".csv");
+            tables.insert(name.into(), table_rows(&text)?.into());
+        }
+        print_json(&json!({
+            "command": info.command,
+            "machine": info.machine,
+            "seconds": start.elapsed().as_secs_f64(),
+            "page": args.out.join("atlas.html"),
+            "findings": atlas.findings(),
+            "tables": tables,
+        }))?;
+        return Ok(Exit::Done);
     }
     for sentence in atlas.findings() {
         print(sentence)?;

@@ -2,7 +2,7 @@
 
 use crate::cli::{BusArgs, Place};
 use crate::output::{Exit, Problem, complain, print, print_json};
-use crate::session_file::{installation, read};
+use crate::session_file::{find, installation, read};
 use microsim_bus::{Frames, HOST, Overflow, kind_id};
 use microsim_host::record::Session;
 use microsim_message::{core_kinds, to_json};
@@ -21,7 +21,7 @@ const GIVE_UP: Duration = Duration::from_secs(10);
 pub fn bus(place: &Place, args: &BusArgs) -> Result<Exit, Problem> {
     match &args.session {
         None => kinds(place, args),
-        Some(session) => messages(session, args),
+        Some(session) => messages(&find(place, session), args),
     }
 }
 

@@ -1,15 +1,17 @@
 //! `microsim chart`: speed against accuracy, as CSV, SVG and one HTML page.
 
 use crate::cli::{ChartArgs, Place};
-use crate::output::{Exit, Problem, print};
-use crate::progress::StatusLine;
+use crate::output::{Exit, Problem, print, print_json};
+use crate::progress;
 use crate::scene_file::folder;
+use crate::table_rows::table_rows;
 use microsim_scene::{Serial, scene_spec};
 use microsim_settings::{self as settings, Chart, Override, unwritable};
 use microsim_study::{
     Context, Group, GroupResult, LoadedScene, PageInfo, Results, Step, groups, panel_svg, run_group,
 };
 use rustix::time::{ClockId, clock_gettime};
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -86,7 +88,7 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         }
         work();
     });
-    progress.status.finish();
+    progress.line.clear();
     // Which thread made a group does not matter.
     let ordered = |list: Mutex<Vec<(usize, GroupResult)>>| {
         let mut list = list.into_inner().unwrap_or_else(|e| e.into_inner());
@@ -112,6 +114,10 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         left_out: left_out.into_iter().map(|(_, text)| text).collect(),
     };
     write(&results, &info, &args.out)?;
+    if args.json {
+        print_json(&document(&results, &info, args, start)?)?;
+        return Ok(Exit::Done);
+    }
     for panel in results.panels() {
         print(format!("{}: {}", panel.title(), panel.sentence()))?;
     }
@@ -125,6 +131,29 @@ pub fn chart(place: &Place, args: &ChartArgs) -> Result<Exit, Problem> {
         start.elapsed().as_secs_f64()
     ))?;
     Ok(Exit::Done)
+}
+
+/// What the command has made, as one document.
+fn document(
+    results: &Results,
+    info: &PageInfo,
+    args: &ChartArgs,
+    start: Instant,
+) -> Result<Value, Problem> {
+    let panels = results.panels().into_iter().map(|panel| {
+        let drawing = args.out.join(format!("{}.svg", panel.id()));
+        json!({ "title": panel.title(), "sentence": panel.sentence(), "drawing": drawing })
+    });
+    Ok(json!({
+        "command": info.command,
+        "machine": info.machine,
+        "seconds": start.elapsed().as_secs_f64(),
+        "page": args.out.join("chart.html"),
+        "table": args.out.join("chart.csv"),
+        "panels": panels.collect::<Vec<_>>(),
+        "left_out": info.left_out,
+        "runs": table_rows(&results.to_csv())?,
+    }))
 }
 
 /// The plan's file.
@@ -212,20 +241,18 @@ pub fn machine() -> String {
 
 /// How far the runs are.
 struct Progress {
-    start: Instant,
     total: f64,
     done: Mutex<f64>,
-    status: StatusLine,
+    line: progress::Progress,
 }
 
 impl Progress {
     fn new(chart: &Chart, groups: &[Group]) -> Self {
         let of = |group: &Group| (group.runs.len() + 1) as f64 * weight(chart, group);
         Self {
-            start: Instant::now(),
             total: groups.iter().map(of).sum(),
             done: Mutex::new(0.0),
-            status: StatusLine::new(),
+            line: progress::Progress::new(),
         }
     }
 
@@ -238,15 +265,8 @@ impl Progress {
         if matches!(step, Step::LeftOut(_)) {
             return;
         }
-        self.status.show(|| {
-            let elapsed = self.start.elapsed().as_secs_f64();
-            let left = elapsed * (self.total - done) / done;
-            format!(
-                "{:3.0} %, {elapsed:.0} s, about {left:.0} s left: {}",
-                100.0 * done / self.total,
-                name(chart, group)
-            )
-        });
+        self.line
+            .show(Some(done / self.total), || name(chart, group));
     }
 }
 

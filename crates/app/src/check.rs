@@ -9,7 +9,7 @@ use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
 use crate::working_step;
 use microsim_host::assemble::{
-    Input, Installation, Request, assemble, check_library, known_metrics,
+    Input, Installation, OF_STATION, Request, assemble, check_library, known_metrics,
 };
 use microsim_host::record::Session;
 use microsim_host::run::RunError;
@@ -94,22 +94,13 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
     }
     check_libraries(installation, findings);
     let config = &installation.config;
-    findings.note("config/host.toml".into(), Ok(Vec::new()));
-    let translator = settings::load_translator(&config.join("translator.toml"));
-    findings.note(
-        "config/translator.toml".into(),
-        translator.map(nothing).map_err(|e| e.to_string()),
-    );
-    let link = settings::load_openigtlink(&config.join("openigtlink.toml"));
-    findings.note(
-        "config/openigtlink.toml".into(),
-        link.map(nothing).map_err(|e| e.to_string()),
-    );
-    let trainees = settings::load_trainees(&config.join("trainees.toml"));
-    findings.note(
-        "config/trainees.toml".into(),
-        trainees.map(nothing).map_err(|e| e.to_string()),
-    );
+    // Shipped files count too where those of this station take their place: others use the same installation.
+    let replaced = installation.replaced();
+    let shipped = OF_STATION.iter().map(|name| config.join(name));
+    for path in shipped.chain(replaced) {
+        findings.note(path.display().to_string(), check_setting(&path));
+    }
+    findings.warnings.extend(not_replaced(installation));
     for path in files_in(&config.join("tools"), "toml") {
         let tool = settings::load_tool(&path);
         findings.note(
@@ -163,6 +154,45 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
             check_recording(installation, &path),
         );
     }
+}
+
+/// What lies among the settings of the station as if it took the place of something shipped, and does not.
+fn not_replaced(installation: &Installation) -> Vec<String> {
+    let station = installation.station.as_ref();
+    let Some(station) = station.filter(|station| **station != installation.config) else {
+        return Vec::new();
+    };
+    let entries = std::fs::read_dir(&installation.config)
+        .into_iter()
+        .flatten();
+    let mut names: Vec<_> = entries.flatten().map(|entry| entry.file_name()).collect();
+    names.sort();
+    let others = names
+        .iter()
+        .filter(|name| !OF_STATION.iter().any(|replaced| *name == replaced));
+    let there = others
+        .map(|name| station.join(name))
+        .filter(|path| path.exists());
+    let sentence = |path: PathBuf| {
+        format!(
+            "{}: not used: a station may replace {} alone; `--config` names a whole folder",
+            path.display(),
+            OF_STATION.join(", ")
+        )
+    };
+    there.map(sentence).collect()
+}
+
+/// A file of those that a station may replace.
+fn check_setting(path: &Path) -> Result<Vec<String>, String> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let checked = match name.as_ref() {
+        "host.toml" => settings::load_host(path).map(nothing),
+        "translator.toml" => settings::load_translator(path).map(nothing),
+        "openigtlink.toml" => settings::load_openigtlink(path).map(nothing),
+        _ => settings::load_trainees(path).map(nothing),
+    };
+    checked.map_err(|e| e.to_string())
 }
 
 /// Opens the library of every plugin and module that is installed, in a process of its own.
@@ -384,10 +414,7 @@ fn check_file(
         ("plugin.toml" | "module.toml", _, _) => {
             settings::load_manifest(path).map(nothing).map_err(text)
         }
-        ("host.toml", _, _) => settings::load_host(path).map(nothing).map_err(text),
-        ("translator.toml", _, _) => settings::load_translator(path).map(nothing).map_err(text),
-        ("openigtlink.toml", _, _) => settings::load_openigtlink(path).map(nothing).map_err(text),
-        ("trainees.toml", _, _) => settings::load_trainees(path).map(nothing).map_err(text),
+        (name, _, _) if OF_STATION.contains(&name) => check_setting(path),
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
         (_, Some("vessels"), "toml") => settings::load_vessel(path).map(nothing).map_err(text),

@@ -2,7 +2,10 @@
 
 use crate::cli::Place;
 use etcetera::{AppStrategy, AppStrategyArgs, choose_app_strategy};
-use std::path::PathBuf;
+use microsim_settings::unwritable;
+use std::fs::DirBuilder;
+use std::os::unix::fs::DirBuilderExt;
+use std::path::{Path, PathBuf};
 
 /// Environment variable that is `--data`.
 const VARIABLE: &str = "MICROSIM_DATA";
@@ -63,8 +66,25 @@ impl Folders {
         self.data.join("sessions")
     }
 
+    /// A session by the name under which a run has recorded it, with `.session` or without.
+    pub fn session(&self, name: &Path) -> Option<PathBuf> {
+        let is_name = name.components().count() == 1;
+        let path = self.sessions().join(name);
+        let mut with_extension = path.clone().into_os_string();
+        with_extension.push(".session");
+        let candidates = [path, with_extension.into()].into_iter();
+        let mut found = candidates.filter(|path: &PathBuf| is_name && path.is_file());
+        found.next()
+    }
+
     /// The database of trainees, courses, sessions and results.
     pub fn store(&self) -> PathBuf {
         self.data.join("store.sqlite")
     }
+}
+
+/// Makes a folder of a user, and those around it that are missing, for the user alone: names of trainees are in them.
+pub fn make(folder: &Path) -> Result<(), String> {
+    let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
+    made.map_err(|e| unwritable(folder, e))
 }

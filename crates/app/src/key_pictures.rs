@@ -1,6 +1,7 @@
 //! Pictures of the key moments of a session: the session is computed again, and drawn at their ticks.
 
 use crate::output::Problem;
+use crate::progress::Progress;
 use crate::session_file::open;
 use microsim_host::assemble::{Installation, locate, probe_renderer, renderer_for};
 use microsim_host::picture::{PicturePlan, PictureTimes};
@@ -101,7 +102,9 @@ fn draw(
     threads: usize,
 ) -> Result<Pictures, String> {
     probe_renderer(installation)?;
-    let mut session = open(session).map_err(|problem| match problem {
+    let progress = Progress::new();
+    let opened = open(session, &progress, "pictures of the key moments are drawn");
+    let mut session = opened.map_err(|problem| match problem {
         Problem::Text(text) => text,
         Problem::BrokenPipe => "a closed pipe".to_owned(),
     })?;

@@ -14,6 +14,7 @@ mod bus;
 mod chart;
 mod check;
 mod cli;
+mod completions;
 mod constant;
 mod digests;
 mod discretisation;
@@ -25,8 +26,10 @@ mod key_pictures;
 mod list;
 mod listing;
 mod log;
+mod man;
 mod mesh;
 mod mesh_file;
+mod motion_length;
 mod output;
 mod processor;
 mod progress;
@@ -39,8 +42,11 @@ mod schema;
 mod session_file;
 mod simulate;
 mod station;
+mod table_rows;
+mod terminal;
 mod trainee;
 mod tune;
+mod version;
 mod working_step;
 mod zone;
 
@@ -73,11 +79,22 @@ fn main() -> ExitCode {
             return code.into();
         }
     };
-    let trace = match log::start(cli.command.trace()) {
-        Ok(trace) => trace,
+    // Before the log, which has a thread.
+    silence_driver();
+    if cli.verbosity.level() < 0 {
+        progress::silence();
+    }
+    let logged = cli.command.logged();
+    let folders = logged.and_then(|_| folders::Folders::of(&cli.place).ok());
+    let logs = folders.as_ref().map(|folders| folders.logs.as_path());
+    let writing = match log::start(&cli.verbosity, logs, cli.command.trace()) {
+        Ok(writing) => writing,
         Err(problem) => return ended(Err(problem)),
     };
-    silence_driver();
+    if let Some(command) = logged {
+        let (version, process) = (version::text(), std::process::id());
+        tracing::info!(target: log::FILE, command, version, process, "begins");
+    }
     let result = match &cli.command {
         Command::List(args) => list::list(&cli.place, args),
         Command::Run(args) => run::run(&cli.place, args),
@@ -93,12 +110,23 @@ fn main() -> ExitCode {
         Command::Check(args) => check::check(&cli.place, args),
         Command::Mesh(command) => mesh::mesh(command),
         Command::Schema(args) => schema::schema(&cli.place, args),
-        Command::Doctor => doctor::doctor(&cli.place),
+        Command::Doctor(args) => doctor::doctor(&cli.place, args),
+        Command::Completions(args) => completions::completions(args),
+        Command::Man(args) => man::man(args),
         Command::Guest => guest::guest(),
         Command::Digests(args) => digests::digests(&cli.place, args),
     };
-    // Writes what is left of it.
-    drop(trace);
+    if let Some(command) = logged {
+        let status = match &result {
+            Ok(exit) => exit.status(),
+            Err(Problem::BrokenPipe) => Exit::Done.status(),
+            Err(Problem::Text(_)) => Exit::CouldNotRun.status(),
+        };
+        let process = std::process::id();
+        tracing::info!(target: log::FILE, command, status, process, "ends");
+    }
+    // Writes what is left.
+    drop(writing);
     ended(result)
 }
 

@@ -2,11 +2,12 @@
 
 use crate::cli::{MeshCommand, MeshRefineArgs};
 use crate::mesh_file;
-use crate::output::{Exit, Problem, print};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::replace_file::write_new;
 use microsim_mesh::format::{MeshFormat, VtuEncoding, write_gmsh_2, write_vtu};
 use microsim_mesh::{Grading, Severity, TetMesh, Zone, defects};
 use microsim_settings::MAX_ELEMENTS;
+use serde_json::json;
 
 /// Does what is asked for with a mesh file.
 pub fn mesh(command: &MeshCommand) -> Result<Exit, Problem> {
@@ -47,7 +48,7 @@ fn refine(args: &MeshRefineArgs) -> Result<Exit, Problem> {
     };
     let name = args.input.display();
     let import = mesh_file::read(&args.input)?;
-    for note in &import.notes {
+    for note in import.notes.iter().filter(|_| !args.json) {
         print(format!("note: {name}: {note}"))?;
     }
     let mesh = &import.mesh;
@@ -71,6 +72,18 @@ fn refine(args: &MeshRefineArgs) -> Result<Exit, Problem> {
     })?;
     write_new(&args.output, &write(&graded.mesh))?;
     let (before, after) = (mesh.shortest_height(), graded.mesh.shortest_height());
+    if args.json {
+        let counts = |mesh: &TetMesh, height: f64| {
+            json!({
+                "nodes": mesh.positions.len(), "tetrahedra": mesh.tets.len(), "shortest_height": height,
+            })
+        };
+        print_json(&json!({
+            "input": args.input, "output": args.output, "notes": import.notes,
+            "before": counts(mesh, before), "after": counts(&graded.mesh, after),
+        }))?;
+        return Ok(Exit::Done);
+    }
     print(format!(
         "{out}: {} nodes and {} tetrahedra instead of {} and {}; the shortest height of one is {after:.3e} instead of {before:.3e} (in units of the file), so that explicit methods need steps of about {:.0} % of what they were",
         graded.mesh.positions.len(),

@@ -2,8 +2,9 @@
 
 use crate::cli::{Place, ReplayArgs};
 use crate::output::{Exit, Problem, print, print_json};
+use crate::progress::Progress;
 use crate::run::{picture_plan, refuse_old_pictures};
-use crate::session_file::{installation, open};
+use crate::session_file::{find, installation, open};
 use crate::station;
 use microsim_host::assemble::{Installation, differences, locate, renderer_for};
 use microsim_host::plan::PluginKind;
@@ -12,12 +13,15 @@ use microsim_host::replay::{ReplayOptions, ReplayOutcome, replay as recompute};
 use microsim_host::run::RunError;
 use microsim_session::Station;
 use serde_json::json;
+use std::path::Path;
 
 /// Recomputes a session in this process.
 pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
-    let mut reader = open(&args.session)?;
-    let named = |e: &dyn std::fmt::Display| format!("session {}: {e}", args.session.display());
+    let path = find(place, &args.session);
+    let progress = Progress::new();
+    let mut reader = open(&path, &progress, "the session is computed again")?;
+    let named = |e: &dyn std::fmt::Display| format!("session {}: {e}", path.display());
     reader
         .session()
         .check_recomputable()
@@ -41,13 +45,14 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
     let outcome = recompute(&mut reader, options, |planned| {
         locate(&installation, planned).map_err(|e| RunError::Host(e.to_string()))
     })?;
+    progress.clear();
     for name in &outcome.rebuilt {
         tracing::warn!("plugin \"{name}\" is not the build that made this recording");
     }
     let session = reader.session();
     let finding = Finding::new(&installation, args, station::this(place), session, &outcome)?;
     if args.json {
-        print_json(&finding.json(args, session, &outcome))?;
+        print_json(&finding.json(&path, session, &outcome))?;
     } else {
         finding.print(session, &outcome)?;
         if let Some(pictures) = &outcome.pictures {
@@ -116,12 +121,7 @@ impl Finding {
         })
     }
 
-    fn json(
-        &self,
-        args: &ReplayArgs,
-        session: &Session,
-        outcome: &ReplayOutcome,
-    ) -> serde_json::Value {
+    fn json(&self, path: &Path, session: &Session, outcome: &ReplayOutcome) -> serde_json::Value {
         let (state, station, until) = match self.signatures.0 {
             Signatures::Missing => ("missing", None, None),
             Signatures::Broken => ("broken", None, None),
@@ -134,7 +134,7 @@ impl Finding {
         let difference = outcome.difference.as_ref();
         let ended = session.failures.iter().find(|failure| failure.ended);
         json!({
-            "session": args.session,
+            "session": path,
             "ticks": outcome.ticks,
             "verified": self.verified,
             "recomputed": self.recomputed,

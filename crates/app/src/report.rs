@@ -4,15 +4,16 @@ use crate::cli::{Place, ReportArgs};
 use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, print, print_long};
 use crate::replace_file::replace;
-use crate::session_file::{installation, read_around, report_of};
+use crate::session_file::{find, installation, read_around, report_of};
 use microsim_report::{Language, Page, Report, Verdict};
 use std::path::{Path, PathBuf};
 
 /// Shows the result of a session.
 pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
-    let session = read_around(&args.session)?;
-    let report = report_of(&session, &args.session)?;
-    let same = |path: &PathBuf| path.canonicalize().ok() == args.session.canonicalize().ok();
+    let path = find(place, &args.session);
+    let session = read_around(&path)?;
+    let report = report_of(&session, &path)?;
+    let same = |other: &PathBuf| other.canonicalize().ok() == path.canonicalize().ok();
     if [&args.html, &args.csv, &args.series]
         .into_iter()
         .flatten()
@@ -20,7 +21,7 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
     {
         return Err("the report would overwrite the session; give it another name".into());
     }
-    if let Some(path) = &args.html {
+    if let Some(html) = &args.html {
         let installation = installation(place)?;
         let page = Page {
             language: match args.lang.as_deref() {
@@ -29,11 +30,11 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
                 None => installation.host.report.language,
             },
             pictures: match args.pictures {
-                true => key_pictures(&installation, &args.session, &report, 1),
+                true => key_pictures(&installation, &path, &report, 1),
                 false => not_asked(),
             },
         };
-        replace(path, report.to_html(&page).as_bytes())?;
+        replace(html, report.to_html(&page).as_bytes())?;
     }
     if let Some(path) = &args.csv {
         replace(path, report.metrics_csv().as_bytes())?;

@@ -1,9 +1,12 @@
 //! `microsim run`.
 
 use crate::cli::{Place, RunArgs};
+use crate::folders::{self, Folders};
 use crate::key_pictures::{key_pictures, not_asked, not_yet};
+use crate::log;
+use crate::motion_length::motion_length;
 use crate::output::{Exit, Problem, complain, print, print_json};
-use crate::progress;
+use crate::progress::Progress;
 use crate::replace_file::write_new;
 use crate::report::{files_beside, summary, verdict_word, write_beside, write_page};
 use crate::session_file::{installation, is_session, read_around, report_of};
@@ -61,15 +64,12 @@ pub fn picture_line(report: &PictureReport, folder: Option<&Path>) -> String {
     }
 }
 
-/// Folder of the sessions.
-pub fn session_folder(installation: &Installation) -> PathBuf {
-    installation.root.join(&installation.host.session.directory)
-}
-
-/// A new name for a session: module, level, wall clock and process.
-fn new_session(installation: &Installation, args: &RunArgs) -> Result<PathBuf, Problem> {
-    let folder = session_folder(installation);
-    std::fs::create_dir_all(&folder).map_err(|e| unwritable(&folder, e))?;
+/// A new name for a session in the folder of the user: module, level, wall clock and process.
+fn new_session(place: &Place, args: &RunArgs) -> Result<PathBuf, Problem> {
+    let folder = Folders::of(place)?.sessions();
+    if !args.explain {
+        folders::make(&folder)?;
+    }
     let now = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .unwrap_or_default();
@@ -88,7 +88,7 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
     let session = match &args.session {
         Some(path) => path.clone(),
-        None => new_session(&installation, args)?,
+        None => new_session(place, args)?,
     };
     if session.exists() && !args.explain {
         return Err(format!(
@@ -110,7 +110,7 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
         },
     )?;
     if args.explain {
-        return explain(&plan, args.json);
+        return explain(&installation, &plan, args.json);
     }
     refuse_existing(args, &session)?;
     let resume = args.resume.as_deref().map(read_checkpoint).transpose()?;
@@ -194,8 +194,14 @@ fn carry_out(
         signal_hook::flag::register_conditional_shutdown(signal, 2, Arc::clone(&stop))?;
         signal_hook::flag::register(signal, Arc::clone(&stop))?;
     }
-    let template = "{spinner} {pos} tenths of a second simulated, {elapsed} passed {msg}";
-    let bar = progress::bar(None, template);
+    let progress = Progress::new();
+    // The level may end sooner, and later never by much.
+    let end = [args.stop_at, motion_length(plan)].into_iter().flatten();
+    let end = end.reduce(f64::min);
+    let begin = resume
+        .as_ref()
+        .map(|from| from.tick as f64 * plan.tick_ns as f64 * 1e-9);
+    let begin = begin.unwrap_or(0.0);
     let late = installation.host.late;
     let options = RunOptions {
         threads: args.threads.into(),
@@ -216,18 +222,20 @@ fn carry_out(
         key: station::key(place)
             .inspect_err(|why| complain(format!("the recording is not signed: {why}")))
             .ok(),
-        progress: &mut |time, reported| match reported {
-            Some(reported) => bar.set_message(format!(
-                "{} {:.0} %",
-                reported.what.en,
-                100.0 * reported.fraction
-            )),
-            None => bar.set_position((time * 10.0) as u64),
+        progress: &mut |time, reported| {
+            let part = end.map(|end| (time - begin) / (end - begin));
+            progress.show(part, || match (reported, end) {
+                (Some(reported), _) => format!(
+                    "{time:.1} s simulated, {} {:.0} %",
+                    reported.what.en,
+                    100.0 * reported.fraction
+                ),
+                (None, Some(end)) => format!("{time:.1} s simulated of {end:.1} s at most"),
+                (None, None) => format!("{time:.1} s simulated"),
+            });
         },
     };
-    let outcome = run_plan(plan, options);
-    bar.finish_and_clear();
-    Ok(outcome?)
+    Ok(run_plan(plan, options)?)
 }
 
 fn read_checkpoint(path: &Path) -> Result<Checkpoint, Problem> {
@@ -246,7 +254,11 @@ fn finish(
     outcome: &RunOutcome,
 ) -> Result<Exit, Problem> {
     for complaint in &outcome.complaints {
+        tracing::warn!(target: log::FILE, "{complaint}");
         complain(complaint);
+    }
+    if let Some(failure) = &outcome.failure {
+        tracing::error!(target: log::FILE, "{failure}");
     }
     // The report is made from the file, so that it shows what was really recorded.
     let recorded = match (read_around(session), &outcome.failure) {
@@ -400,7 +412,7 @@ fn tell_json(
 }
 
 /// What would be loaded and computed, and why.
-fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
+fn explain(installation: &Installation, plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
     if as_json {
         let plugins: Vec<_> = plan
             .plugins
@@ -420,6 +432,7 @@ fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
         print_json(&json!({
             "module": plan.module, "level": plan.level, "tick_s": plan.tick_ns as f64 * 1e-9,
             "steps": plan.steps, "plugins": plugins, "parts": parts, "without": plan.without,
+            "settings_of_station": installation.replaced(),
         }))?;
         return Ok(Exit::Done);
     }
@@ -453,5 +466,11 @@ fn explain(plan: &RunPlan, as_json: bool) -> Result<Exit, Problem> {
         ))?;
     }
     print("Nothing else.")?;
+    for file in installation.replaced() {
+        print(format!(
+            "Settings of this station, in place of the shipped ones: {}",
+            file.display()
+        ))?;
+    }
     Ok(Exit::Done)
 }

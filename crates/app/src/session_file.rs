@@ -1,7 +1,9 @@
 //! Session files: reading them for a command, and making a report of one.
 
 use crate::cli::Place;
+use crate::folders::Folders;
 use crate::output::Problem;
+use crate::progress::Progress;
 use microsim_host::assemble::{Installation, Places};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::{Session, SessionReader, Signatures, TickRecord};
@@ -36,6 +38,11 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
     let more = Places {
         plugins: place.plugins.clone(),
         modules: place.modules.clone(),
+        // A folder of settings that is asked for is all that counts. A user without a home folder has no settings.
+        settings: match place.config {
+            Some(_) => None,
+            None => Folders::of(place).ok().map(|folders| folders.config),
+        },
     };
     let mut installation = Installation::open_with(&root, place.config.as_deref(), &more)?;
     let guests = &mut installation.guests;
@@ -62,14 +69,57 @@ pub fn is_session(path: &Path) -> bool {
     read.is_ok() && start == *microsim_session::MAGIC
 }
 
-/// A session file that is read tick by tick.
-pub type OpenSession = SessionReader<BufReader<File>>;
+/// A session by a path, or by its name in the folder of sessions.
+pub fn find(place: &Place, given: &Path) -> PathBuf {
+    let named = || Folders::of(place).ok()?.session(given);
+    let there = given.symlink_metadata().is_ok();
+    let named = if there { None } else { named() };
+    named.unwrap_or_else(|| given.to_path_buf())
+}
 
-/// Begins to read a session file.
-pub fn open(path: &Path) -> Result<OpenSession, Problem> {
+/// A session file that is read tick by tick.
+pub type OpenSession<'a> = SessionReader<BufReader<Watched<'a>>>;
+
+/// Bytes that are read at a time: a few ticks, so that how far they are is how far the command is.
+const AT_A_TIME: usize = 1 << 14;
+
+/// A file with what is shown of how far it has been read.
+#[derive(Debug)]
+pub struct Watched<'a> {
+    file: File,
+    read: u64,
+    length: u64,
+    progress: &'a Progress,
+    what: &'static str,
+}
+
+impl Read for Watched<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        // What was read before has been worked on; what comes now has not.
+        let part = self.read as f64 / self.length.max(1) as f64;
+        self.progress.show(Some(part), || self.what.to_owned());
+        let count = self.file.read(buffer)?;
+        self.read += count as u64;
+        Ok(count)
+    }
+}
+
+/// Begins to read a session file; `what` is done with it.
+pub fn open<'a>(
+    path: &Path,
+    progress: &'a Progress,
+    what: &'static str,
+) -> Result<OpenSession<'a>, Problem> {
     let named = |e: &dyn std::fmt::Display| format!("session {}: {e}", path.display());
     let file = open_regular(path).map_err(|e| named(&e))?;
-    let file = BufReader::with_capacity(1 << 18, file);
+    let file = Watched {
+        length: file.metadata().map_or(0, |metadata| metadata.len()),
+        file,
+        read: 0,
+        progress,
+        what,
+    };
+    let file = BufReader::with_capacity(AT_A_TIME, file);
     Ok(SessionReader::open(file).map_err(|e| named(&e))?)
 }
 
@@ -81,12 +131,16 @@ pub fn read(path: &Path) -> Result<Session, Problem> {
 
 /// Reads a session file to its end, and keeps all but its ticks.
 pub fn read_around(path: &Path) -> Result<Session, Problem> {
-    let mut reader = open(path)?;
+    let progress = Progress::new();
+    let mut reader = open(path, &progress, "the session is read")?;
     while next_tick(&mut reader, path)?.is_some() {}
     Ok(reader.session().clone())
 }
 
-fn next_tick(reader: &mut OpenSession, path: &Path) -> Result<Option<(u64, TickRecord)>, Problem> {
+fn next_tick(
+    reader: &mut OpenSession<'_>,
+    path: &Path,
+) -> Result<Option<(u64, TickRecord)>, Problem> {
     let tick = reader.next_tick();
     Ok(tick.map_err(|e| format!("session {}: {e}", path.display()))?)
 }
@@ -133,7 +187,8 @@ pub fn report_of(session: &Session, path: &Path) -> Result<Report, Problem> {
         replay_command: format!("microsim replay {} --verify", shell_word(path)),
     };
     let mut builder = ReportBuilder::new(&input);
-    let mut reader = open(path)?;
+    let progress = Progress::new();
+    let mut reader = open(path, &progress, "its report is made")?;
     while let Some((tick, record)) = next_tick(&mut reader, path)? {
         builder.add(tick, &record.log);
     }

@@ -10,7 +10,7 @@ mod table;
 
 use crate::cli::{Place, SimulateArgs};
 use crate::output::{Exit, Problem, print_if_read as print};
-use crate::progress::{self, StatusLine};
+use crate::progress::Progress;
 use crate::replace_file;
 use crate::run::refuse_old_pictures;
 use crate::scene_file::{SceneFile, find};
@@ -21,11 +21,7 @@ use microsim_scene::{End, Executor, Serial};
 use microsim_session::Chain;
 use pictures::Pictures;
 use pool::Pool;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-
-/// Steps of the progress bar.
-const PROGRESS: u64 = 1000;
 
 /// Runs a scene.
 pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
@@ -73,11 +69,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         Some(folder) => Some(Pictures::new(folder, &scene)?),
         None => None,
     };
-    let bar = progress::bar(
-        Some(PROGRESS),
-        "{wide_bar} {percent} % of the time, {elapsed} passed",
-    );
-    let lines = (!std::io::stderr().is_terminal()).then(StatusLine::later);
+    let progress = Progress::new();
     let mut cpu = 0.0;
     let (mut values, mut samples) = (Chain::new(), 0);
     loop {
@@ -91,17 +83,11 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         let goes_on = sampled && scene.runner.observe();
         values.add(samples, [scene.runner.scene().digest().as_slice()]);
         samples += 1;
-        bar.set_position((scene.runner.progress() * PROGRESS as f64) as u64);
-        if let Some(lines) = &lines {
-            let runner = &scene.runner;
-            lines.show(|| {
-                format!(
-                    "{:.0} % of the time, {:.4} s simulated, {cpu:.0} CPU s",
-                    100.0 * runner.progress(),
-                    runner.scene().time()
-                )
-            });
-        }
+        let runner = &scene.runner;
+        progress.show(Some(runner.progress()), || {
+            let time = runner.scene().time();
+            format!("{time:.4} s simulated, {cpu:.0} CPU s")
+        });
         if let Some(frames) = &mut frames {
             frames.after_sample(&scene.runner)?;
         }
@@ -112,7 +98,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
             break;
         }
     }
-    bar.finish_and_clear();
+    progress.clear();
     let files = frames.map(Frames::finish).transpose()?;
     let drawn = pictures.map(Pictures::finish);
 

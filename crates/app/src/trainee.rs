@@ -1,22 +1,24 @@
 //! `microsim trainee`: the motion of a synthetic trainee along the plan of a script, as a script.
 
 use crate::cli::{Place, TraineeArgs};
-use crate::output::{Exit, Problem, print};
+use crate::output::{Exit, Problem, print, print_json};
 use crate::replace_file::write_new;
 use crate::session_file::installation;
 use microsim_settings::{self as settings, Sourced, TraineeProfile, load_script, load_trainees};
 use microsim_tracking::{Profile, Script, Trainee};
+use serde_json::json;
 use std::fmt::Write;
 
 /// Writes the script of one trainee.
 pub fn trainee(place: &Place, args: &TraineeArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
-    let trainees = load_trainees(&installation.config.join("trainees.toml"))?.settings;
+    let trainees = load_trainees(&installation.setting("trainees.toml"))?.settings;
     let found = trainees.profile.iter().find(|p| p.name == args.profile);
     let profile = found.ok_or_else(|| {
         let names: Vec<&str> = trainees.profile.iter().map(|p| p.name.as_str()).collect();
         format!(
-            "config/trainees.toml has no profile \"{}\"; it has: {}",
+            "{} has no profile \"{}\"; it has: {}",
+            installation.setting("trainees.toml").display(),
             args.profile,
             names.join(", ")
         )
@@ -35,6 +37,13 @@ pub fn trainee(place: &Place, args: &TraineeArgs) -> Result<Exit, Problem> {
     let planned = plan.motion()?;
     let motion = Trainee::new(&numbers(profile), args.seed).follow(&planned, plan.rate)?;
     write_new(&args.out, text(&motion, &plan, &made).as_bytes())?;
+    if args.json {
+        print_json(&json!({
+            "script": args.out, "plan": path, "profile": profile.name, "seed": args.seed, "synthetic": made,
+            "duration_s": motion.duration(), "planned_s": planned.duration(),
+        }))?;
+        return Ok(Exit::Done);
+    }
     print(format!(
         "{}: {made}; {:.1} s instead of {:.1} s",
         args.out.display(),

@@ -1,15 +1,16 @@
 //! `microsim tune`: the cheapest method, mesh and step that keep what a scene or level states, written into its file.
 
+mod document;
 mod edit;
 mod level;
 
 use crate::chart::{plan_path, thread_seconds};
 use crate::cli::{Place, TuneArgs};
-use crate::output::{Exit, Problem, complain, print};
-use crate::progress::StatusLine;
-use crate::replace_file::replace;
+use crate::output::{Exit, Problem, complain, print, print_json};
+use crate::progress::Progress;
+use crate::replace_file::{must_be_writable, replace};
 use crate::scene_file::{SceneFile, find};
-use crate::session_file::installation;
+use crate::session_file::{installation, program_folder};
 use microsim_drawing::{percent, significant};
 use microsim_scene::{Serial, scene_spec};
 use microsim_settings::{
@@ -32,6 +33,14 @@ struct Target {
     vessels: PathBuf,
     /// How it is named on the command line.
     name: String,
+}
+
+/// What is being computed.
+#[derive(Default)]
+struct Now {
+    what: String,
+    /// Which part of all is over.
+    part: Option<f64>,
 }
 
 /// What is measured.
@@ -73,6 +82,7 @@ impl Target {
 /// Chooses, or verifies an earlier choice.
 pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     let target = target(place, args)?;
+    let out = out(place, args, &target)?;
     let plan = plan_path(place)?;
     let chart = settings::load_chart(&plan)?.settings;
     let file = target.path.display().to_string();
@@ -107,7 +117,7 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     if args.keep_mesh {
         candidates.keep_mesh();
     }
-    let (line, now) = (StatusLine::later(), RefCell::new(String::new()));
+    let (line, now) = (Progress::new(), RefCell::new(Now::default()));
     let context = Context {
         chart: &chart,
         load: &load,
@@ -115,45 +125,96 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
         budget: chart.budget.run,
         remaining: &|| f64::INFINITY,
         exec: &Serial,
-        progress: &|part| line.show(|| format!("{}: {:.0} % of a run", now.borrow(), 100.0 * part)),
+        progress: &|part| {
+            let now = now.borrow();
+            line.show(now.part, || {
+                format!("{}: {:.0} % of a run", now.what, 100.0 * part)
+            });
+        },
     };
     if args.verify {
-        return verify(&context, goal, &scene, &candidates);
+        return verify(
+            &context,
+            goal,
+            &scene,
+            &candidates,
+            args.json.then_some(&target),
+        );
     }
     let tuning = choose(&context, &goal, &candidates, &mut |step| match step {
-        TuneStep::Begins(what) => *now.borrow_mut() = what.to_owned(),
+        TuneStep::Begins(what) => now.borrow_mut().what = what.to_owned(),
+        TuneStep::Over(part) => now.borrow_mut().part = Some(part),
         TuneStep::Done(trial) => {
             let verdict = trial.rejected.as_deref().unwrap_or("the best so far");
-            line.finish();
+            line.clear();
             complain(format!("{}: {verdict}", trial.description));
-            *now.borrow_mut() = "the next runs".into();
+            now.borrow_mut().what = "the next runs".into();
         }
     });
-    line.finish();
+    line.clear();
     if let Some(reason) = &tuning.no_measure {
         return Err(format!("{file}: nothing to compare with: {reason}").into());
     }
-    report(&tuning, &goal)?;
-    let Some(choice) = tuning.choice() else {
-        print(format!(
-            "{file}: nothing keeps an error of {}; the file is as it was",
-            percent(goal.error)
-        ))?;
-        return Ok(Exit::Negative);
-    };
-    if args.dry_run {
-        print(format!("{file} is as it was (--dry-run)"))?;
-        return Ok(Exit::Done);
+    if !args.json {
+        report(&tuning, &goal)?;
     }
-    let written = edit::write(&target, &scene, choice, &tuning)?;
+    let written = match (tuning.choice(), &out) {
+        (Some(choice), Some(out)) => {
+            let written = edit::write(&target, &scene, choice, &tuning)?;
+            replace(out, written.as_bytes())?;
+            Some(out)
+        }
+        _ => None,
+    };
+    if args.json {
+        print_json(&document::tuning(&target, &tuning, &goal, written))?;
+    } else {
+        print(match (tuning.choice(), written) {
+            (None, _) => format!(
+                "{file}: nothing keeps an error of {}; the file is as it was",
+                percent(goal.error)
+            ),
+            (Some(_), None) => format!("{file} is as it was (--dry-run)"),
+            (Some(_), Some(out)) if args.out.is_some() => {
+                format!("Written into {}; {file} is as it was", out.display())
+            }
+            (Some(_), Some(_)) => format!(
+                "Written into {file}; `microsim tune {} --verify` measures it again",
+                target.name
+            ),
+        })?;
+    }
+    Ok(match tuning.choice() {
+        Some(_) => Exit::Done,
+        None => Exit::Negative,
+    })
+}
+
+/// Where the file as tuned is written; `None` if it is not. Known before the time is spent.
+fn out(place: &Place, args: &TuneArgs, target: &Target) -> Result<Option<PathBuf>, Problem> {
+    if args.dry_run || args.verify {
+        return Ok(None);
+    }
+    if let Some(out) = &args.out {
+        must_be_writable(out)?;
+        return Ok(Some(out.clone()));
+    }
     // The file that a link names is the one to be tuned.
     let path = target.path.canonicalize();
-    replace(path.as_ref().unwrap_or(&target.path), written.as_bytes())?;
-    print(format!(
-        "Written into {file}; `microsim tune {} --verify` measures it again",
-        target.name
-    ))?;
-    Ok(Exit::Done)
+    let path = path.unwrap_or_else(|_| target.path.clone());
+    let root = match &place.root {
+        Some(root) => root.clone(),
+        None => program_folder()?,
+    };
+    if root.canonicalize().is_ok_and(|root| path.starts_with(root)) {
+        return Err(format!(
+            "{} belongs to the installation, which is never written: name another place with --out FILE, or --dry-run",
+            path.display()
+        )
+        .into());
+    }
+    must_be_writable(&path)?;
+    Ok(Some(path))
 }
 
 fn target(place: &Place, args: &TuneArgs) -> Result<Target, Problem> {
@@ -304,6 +365,14 @@ fn figures(trial: &Trial, goal: &Goal) -> String {
     )
 }
 
+/// A figure that was measured again.
+struct Figure {
+    name: &'static str,
+    found: Option<f64>,
+    stated: Option<f64>,
+    confirmed: bool,
+}
+
 /// Whether a figure that was found agrees with the one that is stated.
 type Agreement = fn(f64, f64) -> bool;
 
@@ -313,6 +382,7 @@ fn verify(
     mut goal: Goal,
     scene: &settings::Scene,
     candidates: &Candidates,
+    as_json: Option<&Target>,
 ) -> Result<Exit, Problem> {
     let Some(tuned) = &scene.tuned else {
         return Err("the file holds no [tuned]: run tune first".into());
@@ -329,16 +399,27 @@ fn verify(
     }
     let found = measure(context, &goal)?;
     let mut confirmed = found.error.is_some_and(|error| error <= goal.error);
-    let mut compare = |name: &str, found: Option<f64>, stated: Option<f64>, same: Agreement| {
-        let same = found.zip(stated).is_some_and(|(a, b)| same(a, b));
-        confirmed &= same;
-        print(format!(
-            "{name} {} (stated {}){}",
-            found.map_or("unknown".into(), percent),
-            stated.map_or("nothing".into(), percent),
-            if same { "" } else { ": NOT CONFIRMED" }
-        ))
-    };
+    let mut figures = Vec::new();
+    let mut compare =
+        |name: &'static str, found: Option<f64>, stated: Option<f64>, same: Agreement| {
+            let same = found.zip(stated).is_some_and(|(a, b)| same(a, b));
+            confirmed &= same;
+            figures.push(Figure {
+                name,
+                found,
+                stated,
+                confirmed: same,
+            });
+            if as_json.is_some() {
+                return Ok(());
+            }
+            print(format!(
+                "{name} {} (stated {}){}",
+                found.map_or("unknown".into(), percent),
+                stated.map_or("nothing".into(), percent),
+                if same { "" } else { ": NOT CONFIRMED" }
+            ))
+        };
     // Figures are the same on every machine, but for the digits that the file leaves out.
     let equal = |a: f64, b: f64| (a - b).abs() <= 0.01 * b.max(1e-4);
     compare("error", found.error, tuned.error, equal)?;
@@ -352,6 +433,17 @@ fn verify(
     if tuned.locking.is_some() {
         let locking = locking(context, &goal, candidates, &[]);
         compare("error of linear tetrahedra", locking, tuned.locking, equal)?;
+    }
+    let exit = match confirmed {
+        true => Exit::Done,
+        false => Exit::Negative,
+    };
+    if let Some(target) = as_json {
+        let costs = (found.cost, tuned.cost);
+        print_json(&document::verification(
+            target, &figures, costs, &goal, confirmed,
+        ))?;
+        return Ok(exit);
     }
     // Times are not the same: they are shown, and decide nothing.
     print(format!(
@@ -373,9 +465,5 @@ fn verify(
             "NOT CONFIRMED"
         }
     ))?;
-    Ok(if confirmed {
-        Exit::Done
-    } else {
-        Exit::Negative
-    })
+    Ok(exit)
 }

@@ -7,6 +7,8 @@ use std::process::{Command, Output};
 /// Runs the program.
 fn microsim(words: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_microsim"));
+    // Its log is not for the folders of whoever runs the tests.
+    command.env("MICROSIM_DATA", env!("CARGO_TARGET_TMPDIR"));
     command.args(words).output().expect("the program starts")
 }
 

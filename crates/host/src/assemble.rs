@@ -4,7 +4,9 @@
 //! manifest names the other plugins, the level the objects, bodies and contacts. Nothing else is loaded.
 
 pub use crate::input::check_recording;
-pub use crate::installation::{Guests, HASHES, Installation, Isolate, Places, known_metrics};
+pub use crate::installation::{
+    Guests, HASHES, Installation, Isolate, OF_STATION, Places, known_metrics,
+};
 pub use crate::installed::{check_library, locate};
 pub use crate::request::{AssembleError, Input, Request};
 
@@ -270,7 +272,7 @@ impl Planner<'_> {
                 )));
             }
             PluginKind::Translator => {
-                let path = self.installation.config.join("translator.toml");
+                let path = self.installation.setting("translator.toml");
                 let translator = settings::load_translator(&path)?.settings;
                 let devices = self.source.devices.as_deref();
                 config_value(&TranslatorConfig::new(&translator, devices, &level.tool))

@@ -118,12 +118,12 @@ pub(crate) fn source_setup(
     }
 }
 
-/// The set-up that listens to trackers: as config/openigtlink.toml has it, or as a client of another address.
+/// The set-up that listens to trackers: as openigtlink.toml has it, or as a client of another address.
 fn tracker(
     installation: &Installation,
     address: Option<&String>,
 ) -> Result<SourceSetup, AssembleError> {
-    let path = installation.config.join("openigtlink.toml");
+    let path = installation.setting("openigtlink.toml");
     let link = settings::load_openigtlink(&path)?.settings;
     let link = match address {
         None => link,

@@ -6,6 +6,7 @@ use crate::request::AssembleError;
 use microsim_settings as settings;
 use settings::{Level, Loaded, Manifest, ModuleFolder};
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -14,14 +15,24 @@ use std::time::Duration;
 /// as `b3sum --check` reads it.
 pub const HASHES: &str = "installed.b3";
 
-/// Where else plugins and modules lie: folders with one folder for each, or the folder of one.
+/// What else belongs to an installation: folders of plugins and modules with one folder for each, or the folder of one; settings of this station.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
     /// Of plugins.
     pub plugins: Vec<PathBuf>,
     /// Of modules.
     pub modules: Vec<PathBuf>,
+    /// Whose files take the place of those of `config/` with the same name, as far as [`OF_STATION`] names them.
+    pub settings: Option<PathBuf>,
 }
+
+/// The files of `config/` that a station may replace by its own: how it runs, what its trackers are. What is trained and measured is not among them.
+pub const OF_STATION: [&str; 4] = [
+    "host.toml",
+    "translator.toml",
+    "openigtlink.toml",
+    "trainees.toml",
+];
 
 /// Which plugins run in a process of their own, among modules, sources and translators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +61,8 @@ pub struct Installation {
     pub root: PathBuf,
     /// Folder of the configuration.
     pub config: PathBuf,
+    /// Folder of the settings of this station, which need not exist.
+    pub station: Option<PathBuf>,
     /// Plugins and modules.
     pub tree: settings::Tree,
     /// How the host runs sessions.
@@ -77,7 +90,9 @@ impl Installation {
         more: &Places,
     ) -> Result<Self, AssembleError> {
         let config = config.map_or_else(|| root.join("config"), Path::to_path_buf);
-        let host = settings::load_host(&config.join("host.toml"))?.settings;
+        let station = more.settings.clone();
+        let host =
+            settings::load_host(&setting(&config, station.as_deref(), "host.toml"))?.settings;
         let (tree, complaints) = settings::discover_with(root, &more.plugins, &more.modules);
         let guests = Guests {
             which: Isolate::Guests,
@@ -91,6 +106,7 @@ impl Installation {
         Ok(Self {
             root: root.to_path_buf(),
             config,
+            station,
             tree,
             host,
             complaints,
@@ -98,6 +114,19 @@ impl Installation {
             hashes: hashes(root)?,
             levels: Mutex::default(),
         })
+    }
+
+    /// The file of settings of this name: that of the station, if it has one, else that of `config/`.
+    pub fn setting(&self, name: &str) -> PathBuf {
+        setting(&self.config, self.station.as_deref(), name)
+    }
+
+    /// The files of the station that take the place of those of `config/`.
+    pub fn replaced(&self) -> Vec<PathBuf> {
+        let files = OF_STATION.iter().map(|name| self.setting(name));
+        files
+            .filter(|file| !file.starts_with(&self.config))
+            .collect()
     }
 
     /// Whether the installation brought this file, as it is.
@@ -264,6 +293,17 @@ impl Installation {
         let found = candidates.into_iter().find(|p| p.is_file());
         found.unwrap_or_else(|| given.to_path_buf())
     }
+}
+
+/// The file of settings of this name. One that is there and cannot be read is taken all the same, and complained about.
+fn setting(config: &Path, station: Option<&Path>, name: &str) -> PathBuf {
+    let own = station.filter(|_| OF_STATION.contains(&name));
+    let own = own.map(|folder| folder.join(name));
+    let there = |file: &PathBuf| match file.symlink_metadata() {
+        Ok(_) => true,
+        Err(error) => !matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory),
+    };
+    own.filter(there).unwrap_or_else(|| config.join(name))
 }
 
 /// The digests of the files that the installation brought; none where it has no such file.

@@ -28,9 +28,8 @@ table! {
 
 table! {
     /// What is written of a session.
+    #[derive(Copy)]
     pub struct SessionSettings {
-        /// Folder of the session files, seen from the root of the installation.
-        directory: String => "sessions",
         /// Simulated time between two hashes of the whole state \[s\].
         state_hash_every: f64 = time(0.001, 60.0) => 0.25,
     }

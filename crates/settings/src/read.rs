@@ -16,6 +16,12 @@ const RENAMED: [(&str, &str); 3] = [
     ("shares", "fractions"),
 ];
 
+/// Keys that are gone, and what is now instead.
+const REMOVED: [(&str, &str); 1] = [(
+    "session.directory",
+    "no such key any more: sessions lie in the data folder of the user, which `microsim doctor` shows and --data or MICROSIM_DATA change",
+)];
+
 /// Collects complaints about one file.
 pub(crate) struct Reader<'a> {
     pub file: &'a str,
@@ -159,6 +165,12 @@ impl Reader<'_> {
     }
 
     fn unknown_key(&mut self, at: Position, name: &str, keys: &[Key], path: &KeyPath) {
+        let path = path.key(name);
+        let whole = path.to_string();
+        if let Some((_, instead)) = REMOVED.iter().find(|(key, _)| *key == whole) {
+            let found = "a key of earlier versions".to_owned();
+            return self.complain(at, &path, found, (*instead).to_owned());
+        }
         let names: Vec<&str> = keys.iter().map(|key| key.name.as_str()).collect();
         let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         let quoted: Vec<&str> = quoted.iter().map(String::as_str).collect();
@@ -173,12 +185,7 @@ impl Reader<'_> {
             [] => "no key here".to_owned(),
             _ => enumerate(&quoted, "or"),
         };
-        self.complain(
-            at,
-            &path.key(name),
-            "an unknown key".to_owned(),
-            known + &hint,
-        );
+        self.complain(at, &path, "an unknown key".to_owned(), known + &hint);
     }
 
     fn quantity(

@@ -51,43 +51,54 @@ pub enum Extent {
 }
 
 impl Atlas {
-    /// Measures everything. `clock` gives CPU time \[s\]; `progress` is called with what is being done.
-    pub fn make(extent: Extent, clock: &dyn Fn() -> f64, progress: &mut dyn FnMut(&str)) -> Self {
+    /// Measures everything. `clock` gives CPU time \[s\]; `progress` is called with the part that is over, by number of parts, and with what is
+    /// being done.
+    pub fn make(
+        extent: Extent,
+        clock: &dyn Fn() -> f64,
+        progress: &mut dyn FnMut(f64, &str),
+    ) -> Self {
         let mut atlas = Self::default();
         let (substances, variations) = match extent {
             Extent::Full => (Substance::all(), &Variation::ALL[..]),
             Extent::Short => (Substance::few(), &Variation::FEW[..]),
         };
-        for substance in substances {
-            progress(&format!("limits of {}", substance.name()));
-            atlas.limits.extend(limits(substance, variations));
-        }
-        let (substances, starts) = match extent {
-            Extent::Full => (large_steps::substances(), &Start::ALL[..]),
-            Extent::Short => (vec![Substance::SpringsVolumes], &Start::ALL[..]),
+        let stepped = match extent {
+            Extent::Full => large_steps::substances(),
+            Extent::Short => vec![Substance::SpringsVolumes],
+        };
+        let remedied = Substance::few();
+        let schemes = match extent {
+            Extent::Full => schemes::all(),
+            Extent::Short => schemes::few(),
+        };
+        let all = substances.len() + stepped.len() + remedied.len() + schemes.len();
+        let mut begun = 0;
+        let mut begins = |what: &str| {
+            progress(f64::from(begun) / all as f64, what);
+            begun += 1;
         };
         for substance in substances {
-            progress(&format!("large steps of {}", substance.name()));
+            begins(&format!("limits of {}", substance.name()));
+            atlas.limits.extend(limits(substance, variations));
+        }
+        for substance in stepped {
+            begins(&format!("large steps of {}", substance.name()));
             if let Ok(subject) = Subject::new(substance, Variation::Plain) {
-                atlas
-                    .large_steps
-                    .extend(large_steps::large_steps(substance, &subject, starts));
+                let runs = large_steps::large_steps(substance, &subject, &Start::ALL);
+                atlas.large_steps.extend(runs);
             }
         }
-        progress("remedies");
-        for substance in Substance::few() {
+        for substance in remedied {
+            begins(&format!("remedies for {}", substance.name()));
             for variation in [Variation::Layer(0.03), Variation::Node(0.03)] {
                 atlas
                     .remedies
                     .extend(remedies::remedies(substance, variation));
             }
         }
-        let schemes = match extent {
-            Extent::Full => schemes::all(),
-            Extent::Short => schemes::few(),
-        };
         for (index, scheme) in schemes.iter().enumerate() {
-            progress(&format!(
+            begins(&format!(
                 "recovery {} of {}: {}",
                 index + 1,
                 schemes.len(),

@@ -69,6 +69,8 @@ pub enum TuneStep<'a> {
     Begins(&'a str),
     /// A trial is done.
     Done(&'a Trial),
+    /// This part of what may have to be tried is over, by number: what it costs is known afterwards only.
+    Over(f64),
 }
 
 /// A run that was tried.
@@ -156,7 +158,7 @@ impl Tuning {
     }
 }
 
-/// Tries the candidates; `watch` is called before whatever may take long, and after each trial.
+/// Tries the candidates; `watch` is called before whatever may take long, after each trial, and with how far it is.
 pub fn tune(
     context: &Context<'_>,
     goal: &Goal,
@@ -187,13 +189,19 @@ pub fn tune(
             }
         }
     }
+    // With each mesh and elements, the exact solution and the runs of all methods.
+    let runs = candidates.methods.iter().map(|m| parameters(m).len());
+    let of_pair = 1 + runs.sum::<usize>();
+    let all = (candidates.meshes.len() * candidates.elements.len() * of_pair).max(1);
     let mut keeping: Vec<&String> = Vec::new();
     let mut chosen_mesh = None;
     let pairs = candidates
         .meshes
         .iter()
         .flat_map(|mesh| candidates.elements.iter().map(move |e| (mesh, e)));
-    for (mesh, elements) in pairs {
+    for (index, (mesh, elements)) in pairs.enumerate() {
+        let mut over = index * of_pair;
+        watch(TuneStep::Over(over as f64 / all as f64));
         // From coarse to fine: more of the same elements only cost more.
         if keeping.contains(&&elements.title) {
             continue;
@@ -251,6 +259,8 @@ pub fn tune(
                             iterations,
                         };
                         let best = tuning.choice().and_then(|t| t.cost);
+                        over += 1;
+                        watch(TuneStep::Over(over as f64 / all as f64));
                         let trial = attempt(context, &goal, candidates, &choices, best);
                         watch(TuneStep::Done(&trial));
                         if trial.error.is_some_and(|error| error <= goal.error) {

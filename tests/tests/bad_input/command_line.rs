@@ -167,21 +167,16 @@ fn sessions_that_cannot_be_written() {
             format!("microsim: {session}: there is no folder {folder}\n")
         );
     }
-    // The folder of config/host.toml is a file.
-    tree.edit(
-        "config/host.toml",
-        "directory = \"sessions\"",
-        "directory = \"short.toml\"",
-    );
-    let printed = tree
-        .microsim(&["run", "touch-spheres", "--input", "script:short.toml"])
-        .expect(2);
+    // The folder of the user is a file.
+    let data = ["--data", "short.toml"];
+    let run = ["run", "touch-spheres", "--input", "script:short.toml"];
+    let printed = tree.microsim(&[&data[..], &run].concat()).expect(2);
     let sentence = format!(
         "microsim: {} cannot be written: ",
-        tree.path("short.toml").display()
+        tree.path("short.toml/sessions").display()
     );
     assert!(printed.err.starts_with(&sentence), "{printed:?}");
-    let doctor = tree.microsim(&["doctor"]).expect(1);
+    let doctor = tree.microsim(&[&data[..], &["doctor"]].concat()).expect(1);
     assert!(doctor.out.contains("cannot be written"), "{doctor:?}");
 }
 
@@ -300,7 +295,7 @@ fn json_is_one_document_whatever_the_answer() {
 fn through_head(tree: &Tree, args: &str) -> Finished {
     let mut shell = Command::new("bash");
     shell.current_dir(tree.path(""));
-    shell.env("MICROSIM_STATION_KEY", microsim_tests::station_key());
+    microsim_tests::apart(&mut shell);
     if args.ends_with("2>&1") {
         shell.env("RUST_LOG", "debug");
     }

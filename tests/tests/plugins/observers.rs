@@ -86,6 +86,7 @@ fn limited(tree: &Tree, kib: u32) -> Finished {
     let program = microsim_tests::program();
     let mut shell = Command::new("bash");
     shell.current_dir(tree.path(""));
+    microsim_tests::apart(&mut shell);
     shell.arg("-c").arg(format!(
         // Without the trap a signal would end the process instead of an error of `write`.
         "trap '' XFSZ; ulimit -f {kib}; exec \"$0\" --root . run touch-spheres --input script:script.toml --session \

@@ -52,8 +52,8 @@ impl Tree {
             .arg("--root")
             .arg(self.folder.path())
             .args(args)
-            .env("MICROSIM_STATION_KEY", microsim_tests::station_key())
             .current_dir(self.folder.path());
+        microsim_tests::apart(&mut command);
         command
     }
 
