@@ -386,6 +386,9 @@ fn check_file(
         }
         ("host.toml", _, _) => settings::load_host(path).map(nothing).map_err(text),
         ("translator.toml", _, _) => settings::load_translator(path).map(nothing).map_err(text),
+        ("calibration.toml", _, _) => settings::load_calibration(path)
+            .map(|_| Vec::new())
+            .map_err(text),
         ("openigtlink.toml", _, _) => settings::load_openigtlink(path).map(nothing).map_err(text),
         ("trainees.toml", _, _) => settings::load_trainees(path).map(nothing).map_err(text),
         ("chart.toml", _, _) => check_chart(path),

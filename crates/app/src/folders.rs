@@ -63,6 +63,11 @@ impl Folders {
         self.data.join("sessions")
     }
 
+    /// What was calibrated on this station.
+    pub fn calibration(&self) -> PathBuf {
+        self.config.join("calibration.toml")
+    }
+
     /// The database of trainees, courses, sessions and results.
     pub fn store(&self) -> PathBuf {
         self.data.join("store.sqlite")

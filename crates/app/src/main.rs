@@ -11,10 +11,12 @@
 
 mod atlas;
 mod bus;
+mod calibrate;
 mod chart;
 mod check;
 mod cli;
 mod constant;
+mod devices;
 mod digests;
 mod discretisation;
 mod doctor;
@@ -23,6 +25,7 @@ mod folders;
 mod guest;
 mod key_pictures;
 mod list;
+mod listen;
 mod listing;
 mod log;
 mod mesh;
@@ -30,6 +33,7 @@ mod mesh_file;
 mod output;
 mod processor;
 mod progress;
+mod record_input;
 mod replace_file;
 mod replay;
 mod report;
@@ -89,6 +93,9 @@ fn main() -> ExitCode {
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(&cli.place, args),
         Command::Trainee(args) => trainee::trainee(&cli.place, args),
+        Command::Devices(args) => devices::devices(&cli.place, args),
+        Command::RecordInput(args) => record_input::record_input(&cli.place, args),
+        Command::Calibrate(command) => calibrate::calibrate(&cli.place, command),
         Command::Bus(args) => bus::bus(&cli.place, args),
         Command::Check(args) => check::check(&cli.place, args),
         Command::Mesh(command) => mesh::mesh(command),

@@ -197,9 +197,11 @@ fn carry_out(
     let template = "{spinner} {pos} tenths of a second simulated, {elapsed} passed {msg}";
     let bar = progress::bar(None, template);
     let late = installation.host.late;
+    let is_live = args.input.is_tracked_live() && !plan.waits_for_peer();
+    let is_paced = args.realtime || is_live;
     let options = RunOptions {
         threads: args.threads.into(),
-        realtime: (args.realtime || args.input.is_tracked_live()).then(|| Realtime {
+        realtime: is_paced.then(|| Realtime {
             tolerance: Duration::from_secs_f64(late.tolerance),
             give_up: Duration::from_secs_f64(late.give_up),
         }),
@@ -388,6 +390,8 @@ fn tell_json(
         "solver": report.solver,
         "implausible": report.implausible,
         "late_ticks": outcome.late_ticks,
+        "arrivals": report.arrivals,
+        "markers": report.markers,
         "state_hash": outcome.state_hash,
         "physics_digest": outcome.physics_digest,
         "session": session,

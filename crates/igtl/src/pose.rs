@@ -42,6 +42,14 @@ impl fmt::Display for NotRigid {
 impl std::error::Error for NotRigid {}
 
 impl Matrix {
+    /// Its position alone \[m\].
+    ///
+    /// # Errors
+    /// If a number of it is not finite.
+    pub fn place(&self) -> Result<Vector3<f64>, NotRigid> {
+        metres(self.translation)
+    }
+
     /// As a pose: the rotation nearest to the matrix.
     ///
     /// # Errors
@@ -68,6 +76,14 @@ impl Matrix {
 }
 
 impl Position {
+    /// Its position alone \[m\].
+    ///
+    /// # Errors
+    /// If a number of it is not finite.
+    pub fn place(&self) -> Result<Vector3<f64>, NotRigid> {
+        metres(self.position)
+    }
+
     /// As a pose.
     ///
     /// # Errors
