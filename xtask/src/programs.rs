@@ -78,6 +78,12 @@ pub const BENCHES: &[Program] = &[
         shows: "walls with fibres: cost per element beside rubber, a carotid that is gripped",
     },
     Program {
+        name: "filters",
+        package: "microsim-tracking",
+        example: "bench_filters",
+        shows: "one-euro filters: delay against the tremor that they leave",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",
@@ -116,6 +122,18 @@ pub const SOAKS: &[Program] = &[
         package: TESTS,
         example: "soak_sessions",
         shows: "sessions of up to two hours: CPU per second, memory of report and replay",
+    },
+    Program {
+        name: "igtl",
+        package: "microsim-igtl",
+        example: "soak_igtl",
+        shows: "mutated frames of real trackers into the decoder (-- MINUTES SEED)",
+    },
+    Program {
+        name: "trackers",
+        package: TESTS,
+        example: "soak_trackers",
+        shows: "pyigtl and the C++ library of OpenIGTLink as peers, both directions",
     },
     Program {
         name: "cuts",
@@ -271,7 +289,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, hands"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, hands"
                     .into()
             )
         );
