@@ -101,7 +101,7 @@ pub fn examples() -> Result<PathBuf, String> {
     Ok(place)
 }
 
-/// The value, or `None` with the reason on standard error: the test says that it is skipped. With `MICROSIM_PEERS=required` in the environment, as `cargo xtask soak trackers`
+/// The value, or `None` with the reason on standard error: the test is skipped. With `MICROSIM_PEERS=required` in the environment, as `cargo xtask soak trackers`
 /// sets it, a peer that is missing is a failure.
 ///
 /// # Panics

@@ -10,7 +10,7 @@ use crate::replace_file::write_new;
 use crate::session_file::installation;
 use microsim_message::InputSample;
 use microsim_settings::recording_map_path;
-use microsim_tracking::settled_unit;
+use microsim_tracking::fixed_unit;
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -183,7 +183,7 @@ fn cells(sample: Option<&InputSample>) -> [String; 9] {
     let number = |x: f64| format!("{x:?}");
     let position = sample.pose.position;
     // As whoever reads the recording will have it.
-    let orientation = settled_unit(sample.pose.orientation);
+    let orientation = fixed_unit(sample.pose.orientation);
     let (true, Ok(orientation)) = (
         sample.visible && position.iter().all(|x| x.is_finite()),
         orientation,

@@ -70,7 +70,7 @@ impl Matrix {
         let rotation = Rotation3::from_matrix_unchecked(nearest);
         Ok(Pose {
             position,
-            orientation: settled(UnitQuaternion::from_rotation_matrix(&rotation).into_inner()),
+            orientation: fixed_quaternion(UnitQuaternion::from_rotation_matrix(&rotation).into_inner()),
         })
     }
 }
@@ -100,14 +100,14 @@ impl Position {
             norm if (norm - 1.0).abs() > NEARLY => Err(NotRigid::NoRotation),
             _ => Ok(Pose {
                 position,
-                orientation: settled(quaternion),
+                orientation: fixed_quaternion(quaternion),
             }),
         }
     }
 }
 
 /// The quaternion scaled to length 1 until that changes no bit: whoever scales it once more, as the translator does, has the same one, and so has whoever plays it back.
-fn settled(quaternion: Quaternion<f64>) -> UnitQuaternion<f64> {
+fn fixed_quaternion(quaternion: Quaternion<f64>) -> UnitQuaternion<f64> {
     const MOST: usize = 8;
     let mut numbers: [f64; 4] = quaternion.coords.into();
     for _ in 0..MOST {

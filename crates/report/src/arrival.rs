@@ -15,7 +15,7 @@ pub struct TimeSpread {
     pub longest: f64,
 }
 
-/// Samples on their way from a live tracker to the snapshot of a tick. What comes behind, to the picture and the eye, is not in it.
+/// Samples between a live tracker and the snapshot of a tick. What comes behind, to the picture and the eye, is not in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArrivalRecord {
     /// Samples that reached a tick.

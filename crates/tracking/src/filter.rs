@@ -73,7 +73,7 @@ impl OneEuro {
     }
 
     /// Takes a pose at `time_s` `[s]` of the device's clock, and gives the filtered one. After more than `gap_s` `[s]`, or where the clock does not go on, the
-    /// filter begins anew: nothing is joined across a gap.
+    /// filter starts again: nothing is joined across a gap.
     pub fn step(
         &self,
         memory: &mut Option<Filtered>,

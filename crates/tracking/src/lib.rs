@@ -43,7 +43,7 @@ pub use markers::{
     MarkerPoint, MarkerProblem,
 };
 pub use microsim_vocabulary::{Interpolation, ToolStatus};
-pub use rotation::{NORM_TOLERANCE, QuaternionError, settled_unit};
+pub use rotation::{NORM_TOLERANCE, QuaternionError, fixed_unit};
 pub use script::{Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
 pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics, distance};
 pub use trainee::{Profile, Trainee};

@@ -54,7 +54,7 @@ pub(crate) fn checked_unit(quaternion: [f64; 4]) -> Result<[f64; 4], QuaternionE
 ///
 /// # Errors
 /// If it is none within [`NORM_TOLERANCE`].
-pub fn settled_unit(quaternion: [f64; 4]) -> Result<[f64; 4], QuaternionError> {
+pub fn fixed_unit(quaternion: [f64; 4]) -> Result<[f64; 4], QuaternionError> {
     const MOST: usize = 8;
     let mut scaled = checked_unit(quaternion)?;
     for _ in 0..MOST {

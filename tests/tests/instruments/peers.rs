@@ -1,4 +1,4 @@
-//! pyigtl and the C++ library of Debian with the built program and with the codec, in both directions. Where they are not there the tests say that they are skipped, on standard error;
+//! pyigtl and the C++ library of Debian with the built program and with the codec, in both directions. Where they are not there the tests are skipped, with the reason on standard error;
 //! `cargo xtask soak trackers` fails instead.
 
 use microsim_igtl::{Decoder, Matrix, Message, Text, Timestamp, Tracked, encode};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What the program hears with these settings of the connection.
+/// What the program receives with these settings of the connection.
 fn heard(settings: &str, input: &str) -> Finished {
     let folder = scratch();
     let config = config_with(folder.path(), "openigtlink.toml", settings);
@@ -40,7 +40,7 @@ fn assert_near(found: &Value, expected: &[f64], tolerance: f64) {
     }
 }
 
-/// A motion that stands still, at a place of which every number can be told apart.
+/// A motion that stands still, at a place whose numbers all differ.
 fn still() -> Value {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let row = |step: u32| json!([f64::from(step) * 0.01, "left", 1.5, -2.25, 300.0, 0.0, 0.0, half, half]);

@@ -63,7 +63,7 @@ fn repair(frame: &mut [u8]) {
     }
 }
 
-/// Numbers that break things.
+/// Numbers at the ends of ranges.
 const EDGES: [u64; 8] = [0, 1, 0x7F, 0x80, 0xFFFF, 0x7FFF_FFFF, 0xFFFF_FFFF, u64::MAX];
 
 fn mutate(frame: &mut Vec<u8>, other: &[u8], numbers: &mut Numbers) {

@@ -60,7 +60,7 @@ pub enum RegistrationError {
     NotFinite(usize),
     /// The points lie on a line, or nearly: their width over their length.
     Line(f64),
-    /// They fit better to a mirror image: a point or axis was mixed up, or all of them lie so that nothing tells.
+    /// They fit better to a mirror image: a point or axis was mixed up, or an axis has the wrong sign.
     Mirrored,
 }
 

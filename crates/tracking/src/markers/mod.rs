@@ -6,7 +6,7 @@
 //! # Which point is which marker
 //! Points come with the names of markers, which may be mixed up, or point at nothing: every assignment of points to markers whose distances agree is tried,
 //! and the one that explains the most points with the least residual counts. Two that explain as much but place the instrument
-//! differently are told apart by their residuals, by a factor of two at least, else by the names; what neither decides is ambiguous and no pose.
+//! differently are distinguished by their residuals, by a factor of two at least, else by the names; what neither decides is ambiguous and no pose.
 //!
 //! A marker may be missing. Two that come close to each other may be seen as one point between them: such a point is compared with their mean.
 //! With at least three points that do not lie on a line there is a pose; the opening is known where those points determine it.

@@ -70,7 +70,7 @@ impl Mapping {
 }
 
 impl Mapping {
-    /// The same for a device whose frame was registered: its points first become scale · R(rotation) p + translation, and what this mapping says of points of the
+    /// The same for a device whose frame was registered: its points first become scale · R(rotation) p + translation, and what this mapping states of points of the
     /// device holds for those.
     #[must_use]
     pub fn registered(self, rotation: [f64; 4], translation: [f64; 3], scale: f64) -> Self {

@@ -178,7 +178,7 @@ fn without_filters_and_clutches_nothing_is_changed() {
 }
 
 /// The filter acts on the tip in the device's frame: scaled it is the filtered position by the scale. A sample that no hand makes does not reach it, and what
-/// was lost begins anew.
+/// was lost starts again.
 #[test]
 fn a_filter_smooths_what_counts_and_joins_no_gap() {
     let filtered = |hand| {
