@@ -5,7 +5,9 @@ use std::process::{Command, ExitCode};
 
 fn main() -> ExitCode {
     let python = python().map(drop).map_err(|why| format!("pyigtl: {why}"));
-    let library = examples().map(drop).map_err(|why| format!("the C++ library: {why}"));
+    let library = examples()
+        .map(drop)
+        .map_err(|why| format!("the C++ library: {why}"));
     for found in [python, library] {
         if let Err(why) = found {
             eprintln!("{why}");
@@ -13,7 +15,15 @@ fn main() -> ExitCode {
         }
     }
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["test", "--release", "--workspace", "--test", "instruments", "--", "--nocapture"]);
+    cargo.args([
+        "test",
+        "--release",
+        "--workspace",
+        "--test",
+        "instruments",
+        "--",
+        "--nocapture",
+    ]);
     cargo.env("MICROSIM_PEERS", "required");
     match cargo.status() {
         Ok(status) if status.success() => ExitCode::SUCCESS,

@@ -94,7 +94,10 @@ pub fn examples() -> Result<PathBuf, String> {
             continue;
         }
         let mut compile = Command::new("c++");
-        compile.args(["-O1", "-w", "-I", HEADERS, "-o"]).arg(&built).arg(&source);
+        compile
+            .args(["-O1", "-w", "-I", HEADERS, "-o"])
+            .arg(&built)
+            .arg(&source);
         compile.args(["-lOpenIGTLink", "-lpthread"]);
         done(&mut compile)?;
     }
@@ -139,6 +142,9 @@ where
 /// An example of the C++ library, started; it prints a lot.
 pub fn start_example(folder: &Path, name: &str, args: &[String]) -> Peer {
     let mut command = Command::new(folder.join(name));
-    command.args(args).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+        .args(args)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     Peer(command.spawn().expect("the example starts"))
 }

@@ -70,7 +70,9 @@ impl Matrix {
         let rotation = Rotation3::from_matrix_unchecked(nearest);
         Ok(Pose {
             position,
-            orientation: fixed_quaternion(UnitQuaternion::from_rotation_matrix(&rotation).into_inner()),
+            orientation: fixed_quaternion(
+                UnitQuaternion::from_rotation_matrix(&rotation).into_inner(),
+            ),
         })
     }
 }

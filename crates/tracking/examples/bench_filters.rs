@@ -33,7 +33,9 @@ struct Row {
 fn tremor(time: f64) -> f64 {
     let mut state = 9_u64;
     let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
     };
     let amplitude = TREMOR * (2.0_f64 / 16.0).sqrt();
@@ -61,7 +63,11 @@ fn run(filter: &OneEuro, speed: f64) -> (f64, f64) {
         // Of the motion with tremor less the motion: what is left of it.
         left += (seen[0] - smooth[0]) * (seen[0] - smooth[0]);
         before += shake * shake;
-        late += if speed > 0.0 { time - smooth[0] / speed } else { 0.0 };
+        late += if speed > 0.0 {
+            time - smooth[0] / speed
+        } else {
+            0.0
+        };
         count += 1.0;
     }
     ((left / before).sqrt(), late / count)
@@ -110,23 +116,57 @@ fn drawing(rows: &[Row]) -> String {
     );
     for (value, is_named) in x.ticks() {
         let at = x.at(value);
-        let _ = writeln!(out, "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{}\" stroke=\"#eee\"/>", TOP + HEIGHT);
+        let _ = writeln!(
+            out,
+            "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{}\" stroke=\"#eee\"/>",
+            TOP + HEIGHT
+        );
         if is_named {
-            text(&mut out, (at, TOP + HEIGHT + 18.0), "", Anchor::Middle, &LogAxis::label(value));
+            text(
+                &mut out,
+                (at, TOP + HEIGHT + 18.0),
+                "",
+                Anchor::Middle,
+                &LogAxis::label(value),
+            );
         }
     }
     let ticks = y.ticks(50.0);
     for value in ticks.values {
         let at = y.at(value);
-        text(&mut out, (LEFT - 6.0, at + 4.0), "", Anchor::End, &fixed(value, ticks.decimals));
+        text(
+            &mut out,
+            (LEFT - 6.0, at + 4.0),
+            "",
+            Anchor::End,
+            &fixed(value, ticks.decimals),
+        );
     }
-    text(&mut out, (LEFT + 0.5 * WIDTH, TOP + HEIGHT + 42.0), "", Anchor::Middle, "delay of a motion of 10 mm/s [ms]");
-    text(&mut out, (LEFT, TOP - 10.0), "", Anchor::Start, "tremor of 8 to 12 Hz that is left at rest [%]; shipped: no filter, 100 %, no delay");
+    text(
+        &mut out,
+        (LEFT + 0.5 * WIDTH, TOP + HEIGHT + 42.0),
+        "",
+        Anchor::Middle,
+        "delay of a motion of 10 mm/s [ms]",
+    );
+    text(
+        &mut out,
+        (LEFT, TOP - 10.0),
+        "",
+        Anchor::Start,
+        "tremor of 8 to 12 Hz that is left at rest [%]; shipped: no filter, 100 %, no delay",
+    );
     for (index, beta) in BETAS.into_iter().enumerate() {
         let points: Vec<String> = rows
             .iter()
             .filter(|row| row.beta == beta)
-            .map(|row| format!("{:.1},{:.1}", x.at(1e3 * row.late[0]), y.at(100.0 * row.left[0])))
+            .map(|row| {
+                format!(
+                    "{:.1},{:.1}",
+                    x.at(1e3 * row.late[0]),
+                    y.at(100.0 * row.left[0])
+                )
+            })
             .collect();
         let colour = COLOURS[index];
         let _ = writeln!(
@@ -141,15 +181,34 @@ fn drawing(rows: &[Row]) -> String {
             LEFT + WIDTH - 150.0,
             LEFT + WIDTH - 130.0
         );
-        text(&mut out, (LEFT + WIDTH - 122.0, at + 4.0), "", Anchor::Start, &format!("beta {beta} Hz per m/s"));
+        text(
+            &mut out,
+            (LEFT + WIDTH - 122.0, at + 4.0),
+            "",
+            Anchor::Start,
+            &format!("beta {beta} Hz per m/s"),
+        );
     }
     for row in rows {
         let is_default = (row.cutoff, row.beta) == DEFAULT;
         let (cx, cy) = (x.at(1e3 * row.late[0]), y.at(100.0 * row.left[0]));
-        let (radius, fill) = if is_default { (6.0, "#c0392b") } else { (2.5, "#222") };
-        let _ = writeln!(out, "<circle cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"{radius}\" fill=\"{fill}\"/>");
+        let (radius, fill) = if is_default {
+            (6.0, "#c0392b")
+        } else {
+            (2.5, "#222")
+        };
+        let _ = writeln!(
+            out,
+            "<circle cx=\"{cx:.1}\" cy=\"{cy:.1}\" r=\"{radius}\" fill=\"{fill}\"/>"
+        );
         if is_default {
-            text(&mut out, (cx + 10.0, cy - 8.0), "", Anchor::Start, "defaults of a [[filter]]");
+            text(
+                &mut out,
+                (cx + 10.0, cy - 8.0),
+                "",
+                Anchor::Start,
+                "defaults of a [[filter]]",
+            );
         }
     }
     out + "</svg>\n"
@@ -167,8 +226,14 @@ fn page(rows: &[Row]) -> String {
          | no filter | | 100 % | 100 % | 100 % | 0 | 0 | 0 |\n",
     );
     for row in rows {
-        let bold = if (row.cutoff, row.beta) == DEFAULT { "**" } else { "" };
-        let left = row.left.map(|left| format!("{bold}{:.1} %{bold}", 100.0 * left));
+        let bold = if (row.cutoff, row.beta) == DEFAULT {
+            "**"
+        } else {
+            ""
+        };
+        let left = row
+            .left
+            .map(|left| format!("{bold}{:.1} %{bold}", 100.0 * left));
         let late = [1.0 / (2.0 * PI * row.cutoff), row.late[0], row.late[1]];
         let late = late.map(|late| format!("{bold}{:.1}{bold}", 1e3 * late));
         let _ = writeln!(

@@ -35,7 +35,11 @@ fn recording(path: &Path, poses: impl Iterator<Item = (UnitQuaternion<f64>, Vect
 /// A handle that is tilted to all sides and turned about its axis, its tip standing at a point.
 fn turned(step: u32) -> (UnitQuaternion<f64>, Vector3<f64>) {
     let time = f64::from(step) * 0.01;
-    let tilt = Vector3::new(0.5 * libm::sin(1.1 * time), 0.5 * libm::sin(1.7 * time + 1.0), 0.0);
+    let tilt = Vector3::new(
+        0.5 * libm::sin(1.1 * time),
+        0.5 * libm::sin(1.7 * time + 1.0),
+        0.0,
+    );
     let turn = UnitQuaternion::from_scaled_axis(tilt)
         * UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, libm::sin(0.7 * time)));
     let place = Vector3::new(0.05, -0.2, 0.8) - turn * Vector3::from(TIP);
@@ -55,21 +59,45 @@ fn a_calibrated_tip_is_used_and_shown() {
         finish(calibrate.arg(at(file)).args(more))
     };
     let dry = pivot("turned.csv", &["--dry-run"]).expect(0).json();
-    assert_eq!((dry["good"].as_bool(), dry["written"].is_null()), (Some(true), true), "{dry}");
+    assert_eq!(
+        (dry["good"].as_bool(), dry["written"].is_null()),
+        (Some(true), true),
+        "{dry}"
+    );
     assert!(!data.join("config/calibration.toml").exists());
 
-    recording(&at("one.csv"), (0..600).map(|step| {
-        let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, f64::from(step) * 0.01));
-        (turn, Vector3::new(0.05, -0.2, 0.8) - turn * Vector3::from(TIP))
-    }));
+    recording(
+        &at("one.csv"),
+        (0..600).map(|step| {
+            let turn =
+                UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, f64::from(step) * 0.01));
+            (
+                turn,
+                Vector3::new(0.05, -0.2, 0.8) - turn * Vector3::from(TIP),
+            )
+        }),
+    );
     let refused = pivot("one.csv", &[]).expect(2);
-    assert!(refused.err.contains("tilt the handle by 30°"), "{refused:?}");
-    recording(&at("moved.csv"), (0..600).map(|step| {
-        let (turn, place) = turned(step);
-        (turn, place + Vector3::x() * 4e-3 * libm::sin(f64::from(step)))
-    }));
+    assert!(
+        refused.err.contains("tilt the handle by 30°"),
+        "{refused:?}"
+    );
+    recording(
+        &at("moved.csv"),
+        (0..600).map(|step| {
+            let (turn, place) = turned(step);
+            (
+                turn,
+                place + Vector3::x() * 4e-3 * libm::sin(f64::from(step)),
+            )
+        }),
+    );
     let moved = pivot("moved.csv", &[]).expect(1).json();
-    assert_eq!((moved["good"].as_bool(), moved["written"].is_null()), (Some(false), true), "{moved}");
+    assert_eq!(
+        (moved["good"].as_bool(), moved["written"].is_null()),
+        (Some(false), true),
+        "{moved}"
+    );
     assert!(!data.join("config/calibration.toml").exists());
 
     let found = pivot("turned.csv", &[]).expect(0).json();
@@ -83,9 +111,19 @@ fn a_calibrated_tip_is_used_and_shown() {
     let mut explain = in_folder(&data);
     explain.args(["run", "touch-spheres", "--explain", "--input", &input]);
     let shown = finish(&mut explain).expect(0).out;
-    assert!(shown.contains("(4.00, -2.00, -130.00) mm of the handle"), "{shown}");
+    assert!(
+        shown.contains("(4.00, -2.00, -130.00) mm of the handle"),
+        "{shown}"
+    );
     let mut run = in_folder(&data);
-    run.args(["run", "touch-spheres", "--json", "--input", &input, "--session"]);
+    run.args([
+        "run",
+        "touch-spheres",
+        "--json",
+        "--input",
+        &input,
+        "--session",
+    ]);
     finish(run.arg(at("x.session"))).expect(0);
     let tips = tips(&at("x.session"));
     assert!(tips.len() > 100, "{}", tips.len());
@@ -104,7 +142,10 @@ fn tips(session: &Path) -> Vec<[f64; 3]> {
     let logs = session.ticks.iter().map(|(_, tick)| &tick.log[..]);
     let frames = logs.flat_map(|log| microsim_bus::Frames::new(log).filter_map(Result::ok));
     let samples = frames.filter_map(|frame| decode::<ToolSample>(&frame)?.ok());
-    samples.filter(|sample| sample.tracked).map(|sample| sample.pose.position).collect()
+    samples
+        .filter(|sample| sample.tracked)
+        .map(|sample| sample.pose.position)
+        .collect()
 }
 
 /// A frame that was registered from pairs of points is where the tool is; points that are mixed up are beyond the limit, and nothing is written.
@@ -115,7 +156,13 @@ fn a_registered_frame_is_used() {
     let data = at("data");
     let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.4, -0.7, 1.1));
     let shift = Vector3::new(0.3, -0.1, 0.6);
-    let points = [[0.0, 0.0, 0.0], [80.0, 0.0, 0.0], [80.0, 60.0, 0.0], [0.0, 60.0, 0.0], [40.0, 30.0, 20.0]];
+    let points = [
+        [0.0, 0.0, 0.0],
+        [80.0, 0.0, 0.0],
+        [80.0, 60.0, 0.0],
+        [0.0, 60.0, 0.0],
+        [40.0, 30.0, 20.0],
+    ];
     let pairs = |order: [usize; 5]| {
         let mut csv = String::from("device_x,device_y,device_z,field_x,field_y,field_z\n");
         for (device, field) in order.into_iter().zip(points) {
@@ -129,20 +176,38 @@ fn a_registered_frame_is_used() {
     fs::write(at("good.csv"), pairs([0, 1, 2, 3, 4])).expect("pairs");
     let workspace = |file: &str| {
         let mut calibrate = in_folder(&data);
-        calibrate.args(["calibrate", "workspace", "--json", "--devices", "right", "--pairs"]);
+        calibrate.args([
+            "calibrate",
+            "workspace",
+            "--json",
+            "--devices",
+            "right",
+            "--pairs",
+        ]);
         finish(calibrate.arg(at(file)))
     };
     workspace("mixed.csv").expect(1);
     assert!(!data.join("config/calibration.toml").exists());
     let found = workspace("good.csv").expect(0).json();
-    assert_eq!(found["residuals_m"].as_array().map(Vec::len), Some(5), "{found}");
+    assert_eq!(
+        found["residuals_m"].as_array().map(Vec::len),
+        Some(5),
+        "{found}"
+    );
 
     let place = Vector3::new(0.002, 0.003, 0.012);
     let device = turn.inverse() * (place - shift);
     recording(&at("still.csv"), (0..100).map(|_| (turn.inverse(), device)));
     let mut run = in_folder(&data);
     let input = format!("recording:{}", at("still.csv").display());
-    run.args(["run", "touch-spheres", "--json", "--input", &input, "--session"]);
+    run.args([
+        "run",
+        "touch-spheres",
+        "--json",
+        "--input",
+        &input,
+        "--session",
+    ]);
     finish(run.arg(at("x.session"))).expect(0);
     for tip in tips(&at("x.session")) {
         assert!((Vector3::from(tip) - place).norm() < 1e-12, "{tip:?}");
@@ -157,12 +222,21 @@ fn an_input_that_is_recorded_plays_the_same_run() {
     let mut record = command(["record-input", "--json"]);
     record.arg(at("again.csv")).args(["--input", RECORDING]);
     let made = finish(&mut record).expect(0).json();
-    assert_eq!((made["left_out"].as_u64(), made["samples"].as_u64()), (Some(0), Some(3466)), "{made}");
+    assert_eq!(
+        (made["left_out"].as_u64(), made["samples"].as_u64()),
+        (Some(0), Some(3466)),
+        "{made}"
+    );
     let again = format!("recording:{}", at("again.csv").display());
     let mut refused = command(["record-input"]);
     let refused = finish(refused.arg(at("again.csv")).args(["--input", RECORDING])).expect(2);
-    assert!(refused.err.contains("nothing is overwritten"), "{refused:?}");
-    let run = |input: &str, name: &str| microsim_tests::run("touch-spheres", &at(name), &["--input", input]);
+    assert!(
+        refused.err.contains("nothing is overwritten"),
+        "{refused:?}"
+    );
+    let run = |input: &str, name: &str| {
+        microsim_tests::run("touch-spheres", &at(name), &["--input", input])
+    };
     let (first, second) = (run(RECORDING, "a.session"), run(&again, "b.session"));
     for key in ["physics_digest", "score", "ticks"] {
         assert_eq!(first[key], second[key], "{key}");
@@ -170,7 +244,20 @@ fn an_input_that_is_recorded_plays_the_same_run() {
     let mut devices = command(["devices", "--json", "--input", &again]);
     let heard = finish(&mut devices).expect(0).json();
     let stylus = &heard["devices"][0];
-    assert_eq!((stylus["name"].as_str(), stylus["samples"].as_u64(), stylus["late"].as_u64()), (Some("stylus"), Some(3466), Some(0)), "{heard}");
-    let words = finish(&mut command(["devices", "--input", &again])).expect(0).out;
-    assert!(words.contains("stylus") && words.contains("3466"), "{words}");
+    assert_eq!(
+        (
+            stylus["name"].as_str(),
+            stylus["samples"].as_u64(),
+            stylus["late"].as_u64()
+        ),
+        (Some("stylus"), Some(3466), Some(0)),
+        "{heard}"
+    );
+    let words = finish(&mut command(["devices", "--input", &again]))
+        .expect(0)
+        .out;
+    assert!(
+        words.contains("stylus") && words.contains("3466"),
+        "{words}"
+    );
 }

@@ -18,7 +18,8 @@ const MARKERS: [([f64; 3], [f64; 3]); 5] = [
 
 /// Where the instrument is at a time, and its opening.
 fn truth(time: f64) -> (UnitQuaternion<f64>, Vector3<f64>, f64) {
-    let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.3 * libm::sin(time), 0.2, 0.1 * time));
+    let turn =
+        UnitQuaternion::from_scaled_axis(Vector3::new(0.3 * libm::sin(time), 0.2, 0.1 * time));
     let place = Vector3::new(0.004 * libm::sin(2.0 * time), 0.003 * time, 0.012);
     (turn, place, 0.5 + 0.4 * libm::sin(3.0 * time))
 }
@@ -43,7 +44,8 @@ fn markers_drive_a_tool() {
                 (2, 0.5..1.0) => 1,
                 (column, _) => column,
             };
-            let hidden = ((1.0..1.5).contains(&time) && column == 4) || ((1.5..1.6).contains(&time) && column < 3);
+            let hidden = ((1.0..1.5).contains(&time) && column == 4)
+                || ((1.5..1.6).contains(&time) && column < 3);
             let (closed, open) = MARKERS[marker];
             let own = Vector3::from(closed) * (1.0 - opening) + Vector3::from(open) * opening;
             let seen = (turn * own + place) * 1e3;
@@ -55,7 +57,9 @@ fn markers_drive_a_tool() {
         csv.push('\n');
     }
     fs::write(at("markers.csv"), csv).expect("the recording");
-    let mut map = String::from("licence = \"none\"\nsource = \"made by a test\"\n[time]\ncolumn = \"t\"\nunit = \"s\"\n");
+    let mut map = String::from(
+        "licence = \"none\"\nsource = \"made by a test\"\n[time]\ncolumn = \"t\"\nunit = \"s\"\n",
+    );
     for marker in 1..=5 {
         let _ = write!(
             map,
@@ -65,7 +69,11 @@ fn markers_drive_a_tool() {
     fs::write(at("markers.toml"), map).expect("the column map");
     let mut settings = String::from("[[markers]]\ndevice = \"right\"\nmerge = 0\n");
     for (index, (closed, open)) in MARKERS.iter().enumerate() {
-        let _ = write!(settings, "[[markers.marker]]\nname = \"right-{}\"\nat = {closed:?}\nopen = {open:?}\n", index + 1);
+        let _ = write!(
+            settings,
+            "[[markers.marker]]\nname = \"right-{}\"\nat = {closed:?}\nopen = {open:?}\n",
+            index + 1
+        );
     }
     let config = config_with(folder.path(), "translator.toml", &settings);
     let mut run = command(["--config".as_ref(), config.as_os_str()]);
@@ -87,10 +95,19 @@ fn markers_drive_a_tool() {
         let [x, y, z, w] = sample.pose.orientation;
         let seen = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
         // Rounding: coordinates below 0.2 m, levers below 20.
-        assert!(off.norm() < 1e-12 && seen.angle_to(&turn) < 1e-10, "{sample:?}");
-        assert!((sample.opening - opening).abs() < 1e-10, "{sample:?} {opening}");
+        assert!(
+            off.norm() < 1e-12 && seen.angle_to(&turn) < 1e-10,
+            "{sample:?}"
+        );
+        assert!(
+            (sample.opening - opening).abs() < 1e-10,
+            "{sample:?} {opening}"
+        );
     }
-    for markers in [&printed["markers"][0], &report_beside(&at("m.session"))["markers"][0]] {
+    for markers in [
+        &printed["markers"][0],
+        &report_beside(&at("m.session"))["markers"][0],
+    ] {
         assert_eq!(markers["frames"], 200, "{printed}");
         assert_eq!(markers["poses"], 190);
         // Two for half a second; 50 with one hidden and ten with three.

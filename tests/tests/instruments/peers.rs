@@ -33,17 +33,37 @@ fn device<'a>(heard: &'a Value, name: &str) -> &'a Value {
 
 #[track_caller]
 fn assert_near(found: &Value, expected: &[f64], tolerance: f64) {
-    let found: Vec<f64> = found.as_array().expect("numbers").iter().filter_map(Value::as_f64).collect();
+    let found: Vec<f64> = found
+        .as_array()
+        .expect("numbers")
+        .iter()
+        .filter_map(Value::as_f64)
+        .collect();
     assert_eq!(found.len(), expected.len());
     for (a, b) in found.iter().zip(expected) {
-        assert!((a - b).abs() <= tolerance, "{found:?}, expected {expected:?}");
+        assert!(
+            (a - b).abs() <= tolerance,
+            "{found:?}, expected {expected:?}"
+        );
     }
 }
 
 /// A motion that stands still, at a place whose numbers all differ.
 fn still() -> Value {
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    let row = |step: u32| json!([f64::from(step) * 0.01, "left", 1.5, -2.25, 300.0, 0.0, 0.0, half, half]);
+    let row = |step: u32| {
+        json!([
+            f64::from(step) * 0.01,
+            "left",
+            1.5,
+            -2.25,
+            300.0,
+            0.0,
+            0.0,
+            half,
+            half
+        ])
+    };
     Value::Array((0..200).map(row).collect())
 }
 
@@ -64,13 +84,25 @@ fn pyigtl_is_heard_as_server_and_as_client() {
         assert_near(&left["orientation"], &[0.0, 0.0, half, half], 2e-7);
     };
     let port = free_port().to_string();
-    let server = start_script(&python, "play.py", [&port, motion.to_str().expect("UTF-8"), "--server"]);
+    let server = start_script(
+        &python,
+        "play.py",
+        [&port, motion.to_str().expect("UTF-8"), "--server"],
+    );
     let settings = "stream = \"none\"\nretry = \"50 ms\"";
-    check(&heard(settings, &format!("openigtlink://127.0.0.1:{port}")).expect(0).json());
+    check(
+        &heard(settings, &format!("openigtlink://127.0.0.1:{port}"))
+            .expect(0)
+            .json(),
+    );
     drop(server);
     let port = free_port().to_string();
     let settings = format!("role = \"server\"\naddress = \"127.0.0.1:{port}\"");
-    let client = start_script(&python, "play.py", [&port[..], motion.to_str().expect("UTF-8")]);
+    let client = start_script(
+        &python,
+        "play.py",
+        [&port[..], motion.to_str().expect("UTF-8")],
+    );
     let heard = heard(&settings, "plugin:openigtlink").expect(0).json();
     check(&heard);
     // All 200, by the clock of the sender.
@@ -88,22 +120,36 @@ fn trackers_of_the_library_are_heard() {
         return;
     };
     let norm = |position: &Value| {
-        let sum: f64 = position.as_array().expect("a position").iter().filter_map(Value::as_f64).map(|x| x * x).sum();
+        let sum: f64 = position
+            .as_array()
+            .expect("a position")
+            .iter()
+            .filter_map(Value::as_f64)
+            .map(|x| x * x)
+            .sum();
         sum.sqrt()
     };
-    let unasked = "stream = \"none\"\nretry = \"50 ms\"\n[[device]]\nname = \"Tracker\"\ndevice = \"right\"";
+    let unasked =
+        "stream = \"none\"\nretry = \"50 ms\"\n[[device]]\nname = \"Tracker\"\ndevice = \"right\"";
     let port = free_port().to_string();
     let server = start_example(&folder, "TrackerServer", &[port.clone(), "100".into()]);
-    let found = heard(unasked, &format!("openigtlink://127.0.0.1:{port}")).expect(0).json();
+    let found = heard(unasked, &format!("openigtlink://127.0.0.1:{port}"))
+        .expect(0)
+        .json();
     drop(server);
     let right = device(&found, "right");
-    assert_eq!(right["visible"], right["samples"], "every pose is rigid: {right}");
+    assert_eq!(
+        right["visible"], right["samples"],
+        "every pose is rigid: {right}"
+    );
     // (cos φ, sin φ, cos φ) by 50 mm.
     let length = norm(&right["position_m"]);
     assert!((0.0499..=0.0708).contains(&length), "{right}");
 
     let port = free_port().to_string();
-    let settings = format!("role = \"server\"\naddress = \"127.0.0.1:{port}\"\n[[device]]\nname = \"Tracker\"\ndevice = \"right\"");
+    let settings = format!(
+        "role = \"server\"\naddress = \"127.0.0.1:{port}\"\n[[device]]\nname = \"Tracker\"\ndevice = \"right\""
+    );
     // It gives up at once where nobody waits yet.
     let start = Instant::now();
     let (folder_of_client, port_of_client) = (folder.clone(), port.clone());
@@ -121,14 +167,22 @@ fn trackers_of_the_library_are_heard() {
     drop(client.join().expect("no panic"));
     assert_eq!(device(&found, "right")["late"], 0, "{found}");
 
-    for (program, stream) in [("TrackingDataServer", "TDATA"), ("QuaternionTrackingDataServer", "QTDATA")] {
+    for (program, stream) in [
+        ("TrackingDataServer", "TDATA"),
+        ("QuaternionTrackingDataServer", "QTDATA"),
+    ] {
         let port = free_port().to_string();
         let server = start_example(&folder, program, std::slice::from_ref(&port));
         let named = ["Channel 0", "Channel 1", "Channel 2"];
         let named = named.iter().zip(["left", "right", "other"]);
-        let named: String = named.map(|(name, device)| format!("[[device]]\nname = \"{name}\"\ndevice = \"{device}\"\n")).collect();
-        let settings = format!("stream = \"{stream}\"\ninterval = \"20 ms\"\nretry = \"50 ms\"\n{named}");
-        let found = heard(&settings, &format!("openigtlink://127.0.0.1:{port}")).expect(0).json();
+        let named: String = named
+            .map(|(name, device)| format!("[[device]]\nname = \"{name}\"\ndevice = \"{device}\"\n"))
+            .collect();
+        let settings =
+            format!("stream = \"{stream}\"\ninterval = \"20 ms\"\nretry = \"50 ms\"\n{named}");
+        let found = heard(&settings, &format!("openigtlink://127.0.0.1:{port}"))
+            .expect(0)
+            .json();
         drop(server);
         for name in ["left", "right", "other"] {
             let tool = device(&found, name);
@@ -143,7 +197,9 @@ fn trackers_of_the_library_are_heard() {
 /// Accepts a peer and sends it frames until it goes, and no longer than is patient. What it has sent itself.
 fn serve(listener: &TcpListener, messages: &[(&str, Message)]) -> Vec<Message> {
     let (mut stream, _) = listener.accept().expect("the peer connects");
-    stream.set_read_timeout(Some(Duration::from_millis(20))).expect("a timeout");
+    stream
+        .set_read_timeout(Some(Duration::from_millis(20)))
+        .expect("a timeout");
     let start = Instant::now();
     let mut decoder = Decoder::new();
     let mut received = Vec::new();
@@ -181,21 +237,47 @@ fn pyigtl_reads_what_is_written() {
         return;
     };
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let port = listener.local_addr().expect("an address").port().to_string();
+    let port = listener
+        .local_addr()
+        .expect("an address")
+        .port()
+        .to_string();
     let mut peer = start_script(&python, "hear.py", [&port, "Forceps", "Note"]);
     let messages = [
         ("Forceps", Message::Transform(turned())),
-        ("Note", Message::Text(Text { encoding: 3, bytes: b"ready".to_vec() })),
+        (
+            "Note",
+            Message::Text(Text {
+                encoding: 3,
+                bytes: b"ready".to_vec(),
+            }),
+        ),
     ];
     serve(&listener, &messages);
     let mut printed = String::new();
-    peer.0.stdout.take().expect("a pipe").read_to_string(&mut printed).expect("UTF-8");
-    let lines: Vec<Value> = printed.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    let matrix = json!([[0.0, -1.0, 0.0, 1.5], [1.0, 0.0, 0.0, -2.25], [0.0, 0.0, 1.0, 300.0], [0.0, 0.0, 0.0, 1.0]]);
-    assert_eq!(lines, [
-        json!(["Forceps", "TransformMessage", 5.0, matrix]),
-        json!(["Note", "StringMessage", 5.0, "ready"]),
+    peer.0
+        .stdout
+        .take()
+        .expect("a pipe")
+        .read_to_string(&mut printed)
+        .expect("UTF-8");
+    let lines: Vec<Value> = printed
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect();
+    let matrix = json!([
+        [0.0, -1.0, 0.0, 1.5],
+        [1.0, 0.0, 0.0, -2.25],
+        [0.0, 0.0, 1.0, 300.0],
+        [0.0, 0.0, 0.0, 1.0]
     ]);
+    assert_eq!(
+        lines,
+        [
+            json!(["Forceps", "TransformMessage", 5.0, matrix]),
+            json!(["Note", "StringMessage", 5.0, "ready"]),
+        ]
+    );
 }
 
 /// What the codec writes the C++ library reads: its receiver prints pose, quaternion and text of every type that it is sent, and no error.
@@ -205,21 +287,45 @@ fn the_library_reads_what_is_written() {
         return;
     };
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let port = listener.local_addr().expect("an address").port().to_string();
+    let port = listener
+        .local_addr()
+        .expect("an address")
+        .port()
+        .to_string();
     let mut receiver = std::process::Command::new(folder.join("ReceiveClient"));
     receiver.args(["127.0.0.1", &port]);
     let log = scratch();
     let file = |name: &str| fs::File::create(log.path().join(name)).expect("a file");
     receiver.stdout(file("out")).stderr(file("err"));
     let peer = Peer(receiver.spawn().expect("it starts"));
-    let position = microsim_igtl::Position { position: [1.5, -2.25, 300.0], orientation: Some([0.0, 0.0, 0.6, 0.8]) };
-    let tool = |place| Tracked { name: "left".to_owned(), kind: 2, place };
+    let position = microsim_igtl::Position {
+        position: [1.5, -2.25, 300.0],
+        orientation: Some([0.0, 0.0, 0.6, 0.8]),
+    };
+    let tool = |place| Tracked {
+        name: "left".to_owned(),
+        kind: 2,
+        place,
+    };
     let messages = [
         ("Forceps", Message::Transform(turned())),
         ("Forceps", Message::Position(position)),
         ("Forceps", Message::Matrices(vec![tool(turned())])),
-        ("Forceps", Message::Quaternions(vec![Tracked { name: "left".to_owned(), kind: 2, place: position }])),
-        ("Note", Message::Text(Text { encoding: 3, bytes: b"ready".to_vec() })),
+        (
+            "Forceps",
+            Message::Quaternions(vec![Tracked {
+                name: "left".to_owned(),
+                kind: 2,
+                place: position,
+            }]),
+        ),
+        (
+            "Note",
+            Message::Text(Text {
+                encoding: 3,
+                bytes: b"ready".to_vec(),
+            }),
+        ),
         ("Forceps", Message::Capability(vec!["TRANSFORM".to_owned()])),
     ];
     let stop = std::thread::spawn(move || {

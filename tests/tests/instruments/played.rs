@@ -21,7 +21,16 @@ fn played(module: &str, level: &str, config: Option<&Path>, input: &str, session
         Some(config) => command(["--config".as_ref(), config.as_os_str()]),
         None => command::<[&str; 0], &str>([]),
     };
-    run.args(["run", module, "--level", level, "--json", "--input", input, "--session"]);
+    run.args([
+        "run",
+        module,
+        "--level",
+        level,
+        "--json",
+        "--input",
+        input,
+        "--session",
+    ]);
     finish(run.arg(session)).expect(0).json()
 }
 
@@ -48,7 +57,17 @@ fn sent(samples: &[InputSample]) -> Value {
         let [qx, qy, qz, qw] = sample.pose.orientation;
         let opening = 1e3 * sample.opening.expect("an opening");
         let (time, device) = (sample.device_time, &sample.device);
-        rows.push(json!([time, format!("{device}-opening"), opening, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]));
+        rows.push(json!([
+            time,
+            format!("{device}-opening"),
+            opening,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            1.0
+        ]));
         rows.push(json!([time, device, x, y, z, qx, qy, qz, qw]));
     }
     Value::Array(rows)
@@ -68,8 +87,13 @@ fn script_of(samples: &[InputSample], rate: f64) -> String {
             sample.opening.expect("an opening")
         );
     }
-    let tools = tools.iter().map(|(name, keys)| format!("[[tool]]\nname = \"{name}\"\n{keys}"));
-    format!("rate = {rate:?}\ninterpolation = \"linear\"\n{}", tools.collect::<String>())
+    let tools = tools
+        .iter()
+        .map(|(name, keys)| format!("[[tool]]\nname = \"{name}\"\n{keys}"));
+    format!(
+        "rate = {rate:?}\ninterpolation = \"linear\"\n{}",
+        tools.collect::<String>()
+    )
 }
 
 fn check(module: &str, level: &str, script: &str) {
@@ -78,7 +102,13 @@ fn check(module: &str, level: &str, script: &str) {
     };
     let folder = scratch();
     let at = |name: &str| folder.path().join(name);
-    let (mut wanted, rate) = scripted(&repository().join("modules").join(module).join("scripts").join(script));
+    let (mut wanted, rate) = scripted(
+        &repository()
+            .join("modules")
+            .join(module)
+            .join("scripts")
+            .join(script),
+    );
     // A script is sampled up to its last key rounded up; so that it ends with the last of these, one is left out where rounding would add one.
     let last = |samples: &[InputSample]| samples.last().expect("samples").device_time;
     while (last(&wanted) * rate).ceil() != (last(&wanted) * rate).round() {
@@ -88,7 +118,10 @@ fn check(module: &str, level: &str, script: &str) {
     fs::write(at("motion.json"), sent(&wanted).to_string()).expect("the motion");
 
     let port = free_port();
-    let tools: BTreeMap<&str, ()> = wanted.iter().map(|sample| (&sample.device[..], ())).collect();
+    let tools: BTreeMap<&str, ()> = wanted
+        .iter()
+        .map(|sample| (&sample.device[..], ()))
+        .collect();
     let tools = tools.keys().map(|name| {
         format!("[[device]]\nname = \"{name}\"\ndevice = \"{name}\"\nopening = {{ name = \"{name}-opening\", open = \"1 m\" }}\n")
     });
@@ -98,15 +131,33 @@ fn check(module: &str, level: &str, script: &str) {
     );
     let config = config_with(folder.path(), "openigtlink.toml", &settings);
     let motion = at("motion.json");
-    let peer = start_script(&python, "play.py", [port.to_string(), motion.display().to_string()]);
-    let live = played(module, level, Some(&config), "plugin:openigtlink", &at("live.session"));
+    let peer = start_script(
+        &python,
+        "play.py",
+        [port.to_string(), motion.display().to_string()],
+    );
+    let live = played(
+        module,
+        level,
+        Some(&config),
+        "plugin:openigtlink",
+        &at("live.session"),
+    );
     drop(peer);
 
     // What came is what was sent, to single precision, at exactly its time.
     let came = samples(&at("live.session"));
-    assert!(came.len() * 10 >= wanted.len() * 9, "{} of {}", came.len(), wanted.len());
+    assert!(
+        came.len() * 10 >= wanted.len() * 9,
+        "{} of {}",
+        came.len(),
+        wanted.len()
+    );
     for (found, expected) in came.iter().zip(&wanted) {
-        assert_eq!((&found.device, found.device_time), (&expected.device, expected.device_time));
+        assert_eq!(
+            (&found.device, found.device_time),
+            (&expected.device, expected.device_time)
+        );
         for axis in 0..3 {
             let off = found.pose.position[axis] - expected.pose.position[axis];
             // Half a unit in the last place of 16 mm in single precision.

@@ -41,7 +41,9 @@ pub fn corpus() -> Vec<Vec<u8>> {
         let digits = std::str::from_utf8(pair).expect("digits");
         u8::from_str_radix(digits, 16).expect("hexadecimal")
     };
-    frames.map(|frame| frame.as_bytes().chunks(2).map(byte).collect()).collect()
+    frames
+        .map(|frame| frame.as_bytes().chunks(2).map(byte).collect())
+        .collect()
 }
 
 fn checksum(body: &[u8]) -> u64 {
@@ -131,7 +133,10 @@ pub fn check(bytes: &[u8], numbers: &mut Numbers) -> (usize, bool) {
     assert_eq!(whole, pieces, "the same stream in pieces");
     let Comparable((messages, failed)) = whole;
     let mut count = 0;
-    for (device, message) in messages.iter().filter_map(|(device, message)| Some((device, message.as_ref()?))) {
+    for (device, message) in messages
+        .iter()
+        .filter_map(|(device, message)| Some((device, message.as_ref()?)))
+    {
         count += 1;
         places(message);
         for version in [1, 2] {
@@ -176,7 +181,9 @@ fn decoded(bytes: &[u8], mut piece: impl FnMut(usize) -> usize) -> Comparable {
             match decoder.next_message() {
                 Ok(Some(received)) => {
                     // A body that is none of its type costs its message alone.
-                    found.0.push((received.device, received.message.ok().flatten()));
+                    found
+                        .0
+                        .push((received.device, received.message.ok().flatten()));
                 }
                 Ok(None) => break,
                 Err(_) => {
