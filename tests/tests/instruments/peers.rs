@@ -87,7 +87,7 @@ fn pyigtl_is_heard_as_server_and_as_client() {
     let server = start_script(
         &python,
         "play.py",
-        [&port, motion.to_str().expect("UTF-8"), "--server"],
+        [&port[..], motion.to_str().expect("UTF-8"), "--server"],
     );
     let settings = "stream = \"none\"\nretry = \"50 ms\"";
     check(
@@ -242,7 +242,7 @@ fn pyigtl_reads_what_is_written() {
         .expect("an address")
         .port()
         .to_string();
-    let mut peer = start_script(&python, "hear.py", [&port, "Forceps", "Note"]);
+    let mut peer = start_script(&python, "hear.py", [&port[..], "Forceps", "Note"]);
     let messages = [
         ("Forceps", Message::Transform(turned())),
         (
