@@ -26,10 +26,13 @@ struct Device {
 
 impl Device {
     fn add(&mut self, arrival: f64, sample: &InputSample) {
-        match self.samples {
-            0 => (self.first, self.newest) = (sample.device_time, sample.device_time),
-            _ if sample.device_time < self.newest => self.late += 1,
-            _ => self.newest = sample.device_time,
+        // Where a connection ended the time is that of this machine.
+        if sample.visible {
+            match self.visible {
+                0 => (self.first, self.newest) = (sample.device_time, sample.device_time),
+                _ if sample.device_time < self.newest => self.late += 1,
+                _ => self.newest = sample.device_time,
+            }
         }
         self.samples += 1;
         self.arrived = arrival;
@@ -40,10 +43,10 @@ impl Device {
         }
     }
 
-    /// Samples per second by the device's clock.
+    /// Poses per second by the device's clock.
     fn rate(&self) -> Option<f64> {
         let elapsed = self.newest - self.first;
-        (self.samples > 1 && elapsed > 0.0).then(|| (self.samples - 1) as f64 / elapsed)
+        (self.visible > 1 && elapsed > 0.0).then(|| (self.visible - 1) as f64 / elapsed)
     }
 
     fn state(&self, end: f64, stale_after: f64) -> &'static str {
@@ -134,7 +137,7 @@ fn last_words(sample: &InputSample) -> String {
 mod tests {
     use super::*;
 
-    /// By hand: five samples in a second and one that comes late; the last one is not seen.
+    /// By hand: four poses in half a second, one of them late; the last sample is not seen.
     #[test]
     fn a_device_is_counted_and_has_a_state() {
         let mut device = Device::default();
@@ -152,7 +155,7 @@ mod tests {
             device.add(arrival, &sample);
         }
         assert_eq!((device.samples, device.visible, device.late), (5, 4, 1));
-        assert_eq!(device.rate(), Some(4.0));
+        assert_eq!(device.rate(), Some(6.0));
         assert_eq!(
             (device.state(1.05, 0.1), device.state(1.2, 0.1)),
             ("occluded", "stale")

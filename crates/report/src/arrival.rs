@@ -22,7 +22,7 @@ pub struct ArrivalRecord {
     pub samples: u64,
     /// Samples that were dropped as more came than a queue holds.
     pub dropped: u64,
-    /// Samples that are older, by their device's clock, than one of the same device before them.
+    /// Poses that are older, by their device's clock, than one of the same device before them.
     pub late: u64,
     /// From the arrival of a sample to the tick that it counts in.
     pub wait: Option<TimeSpread>,
@@ -68,6 +68,10 @@ impl ArrivalCollector {
 
     pub fn add_sample(&mut self, sample: &InputSample) {
         self.samples += 1;
+        // Where a connection ended the time is that of this machine.
+        if !sample.visible {
+            return;
+        }
         match self.newest.get_mut(&sample.device) {
             Some(newest) if sample.device_time < *newest => self.late += 1,
             Some(newest) => *newest = sample.device_time,
@@ -135,7 +139,10 @@ mod tests {
 
     #[test]
     fn what_is_dropped_or_late_is_counted() {
-        let sample = |time| InputSample::not_visible("left", time);
+        let sample = |time| InputSample {
+            visible: true,
+            ..InputSample::not_visible("left", time)
+        };
         let timing = |waits: &[f64], dropped| InputTiming {
             waits: waits.to_vec(),
             dropped,
