@@ -15,6 +15,7 @@
 //! - [`long`]: runs of any length, and what they cost;
 //! - [`matrix`]: scripts played without what makes tissue answer;
 //! - [`measured`]: CPU time and memory of the program;
+//! - [`peers`]: OpenIGTLink of others: pyigtl and the C++ library;
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
 //! - [`system`]: the linear system of a body, phase by phase;
@@ -37,6 +38,7 @@ pub mod live;
 pub mod long;
 pub mod matrix;
 pub mod measured;
+pub mod peers;
 pub mod sensitivity;
 pub mod simulated;
 pub mod statistics;

@@ -179,6 +179,14 @@ fn a_tracker_drives_the_tools_and_may_come_back() {
         "{printed:?}"
     );
 
+    // Each sample waited for its tick of 8 ms, and no longer than for a few late ones.
+    let arrivals = &printed.json()["arrivals"];
+    let counted = ["samples", "dropped", "late"].map(|key| arrivals[key].as_u64());
+    assert_eq!(counted, [Some(45), Some(0), Some(0)], "{arrivals}");
+    let p99 = arrivals["wait"]["p99"].as_f64().expect("a time");
+    assert!(p99 > 0.0 && p99 < 1.0, "{arrivals}");
+    assert!(arrivals["tick"]["p50"].as_f64().expect("a time") > 0.0, "{arrivals}");
+
     let mut expected = Vec::new();
     for second in 1..=20 {
         expected.extend(["left", "right"].map(|device| (device, f64::from(second), true)));
@@ -284,6 +292,10 @@ fn a_flood_or_silence_holds_nothing_up() {
         assert!(printed.err.contains(part), "{part}: {printed:?}");
     }
     assert!(samples.len() < 50_000, "{}", samples.len());
+    let dropped = printed.json()["arrivals"]["dropped"].as_u64();
+    let dropped = dropped.expect("a number") as usize;
+    // One sample at each end of the flood, one after the silence; two connections were lost.
+    assert!((50_000..=50_006).contains(&(samples.len() + dropped)), "{dropped}");
     // The silence alone is 300 ms of ticks of 8 ms.
     assert!(after - before > 30, "{before} to {after} ticks");
 }

@@ -71,6 +71,11 @@ pub const BENCHES: &[Program] = &[
         shows: "figures of the dissertation, with its methods and with ours",
     },
     Program {
+        name: "filters",
+        example: "bench_filters",
+        shows: "one-euro filters: delay against the tremor that they leave",
+    },
+    Program {
         name: "peers",
         example: "bench_peers",
         shows: "the reference beam in MuJoCo, Drake and pyPBD (from PyPI) and in ours",
@@ -103,6 +108,16 @@ pub const SOAKS: &[Program] = &[
         name: "sessions",
         example: "soak_sessions",
         shows: "sessions of up to two hours: CPU per second, memory of report and replay",
+    },
+    Program {
+        name: "igtl",
+        example: "soak_igtl",
+        shows: "mutated frames of real trackers into the decoder (-- MINUTES SEED)",
+    },
+    Program {
+        name: "trackers",
+        example: "soak_trackers",
+        shows: "pyigtl and the C++ library of OpenIGTLink as peers, both directions",
     },
     Program {
         name: "cuts",
@@ -243,7 +258,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, hands"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, hands"
                     .into()
             )
         );

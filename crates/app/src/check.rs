@@ -415,6 +415,9 @@ fn check_file(
             settings::load_manifest(path).map(nothing).map_err(text)
         }
         (name, _, _) if OF_STATION.contains(&name) => check_setting(path),
+        ("calibration.toml", _, _) => settings::load_calibration(path)
+            .map(|_| Vec::new())
+            .map_err(text),
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
         (_, Some("vessels"), "toml") => settings::load_vessel(path).map(nothing).map_err(text),

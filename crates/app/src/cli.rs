@@ -1,11 +1,15 @@
 //! The command line: commands, options and their help, one file per group of commands. Validates, does nothing.
 
+mod instruments;
 mod physics;
 mod place;
 mod session;
 mod tree;
 mod value;
 
+pub use instruments::{
+    CalibrateCommand, DevicesArgs, ListenArgs, PivotArgs, RecordInputArgs, WorkspaceArgs,
+};
 pub use physics::{
     AtlasArgs, ChartArgs, FitArgs, MeshCommand, MeshRefineArgs, SimulateArgs, TuneArgs,
 };
@@ -16,7 +20,7 @@ pub use tree::{
 };
 
 use clap::{Parser, Subcommand};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
 ///
@@ -56,6 +60,13 @@ pub enum Command {
     Report(ReportArgs),
     /// Write the motion of a synthetic trainee along the plan of a script, as a script
     Trainee(TraineeArgs),
+    /// Show what an input sends: devices with rate, last pose and state
+    Devices(DevicesArgs),
+    /// Record what an input sends, as a recording that `--input recording:FILE` plays
+    RecordInput(RecordInputArgs),
+    /// Calibrate instruments and trackers of this station
+    #[command(subcommand)]
+    Calibrate(CalibrateCommand),
     /// Show which messages flow: the kinds and who publishes and receives them, or all messages of a session
     Bus(BusArgs),
     /// Validate config, scenes, meshes, modules, levels, scripts and recordings without running them

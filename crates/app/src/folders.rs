@@ -77,6 +77,11 @@ impl Folders {
         found.next()
     }
 
+    /// What was calibrated on this station.
+    pub fn calibration(&self) -> PathBuf {
+        self.config.join("calibration.toml")
+    }
+
     /// The database of trainees, courses, sessions and results.
     pub fn store(&self) -> PathBuf {
         self.data.join("store.sqlite")

@@ -11,11 +11,13 @@
 
 mod atlas;
 mod bus;
+mod calibrate;
 mod chart;
 mod check;
 mod cli;
 mod completions;
 mod constant;
+mod devices;
 mod digests;
 mod discretisation;
 mod doctor;
@@ -24,6 +26,7 @@ mod folders;
 mod guest;
 mod key_pictures;
 mod list;
+mod listen;
 mod listing;
 mod log;
 mod man;
@@ -33,6 +36,7 @@ mod motion_length;
 mod output;
 mod processor;
 mod progress;
+mod record_input;
 mod replace_file;
 mod replay;
 mod report;
@@ -106,6 +110,9 @@ fn main() -> ExitCode {
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(&cli.place, args),
         Command::Trainee(args) => trainee::trainee(&cli.place, args),
+        Command::Devices(args) => devices::devices(&cli.place, args),
+        Command::RecordInput(args) => record_input::record_input(&cli.place, args),
+        Command::Calibrate(command) => calibrate::calibrate(&cli.place, command),
         Command::Bus(args) => bus::bus(&cli.place, args),
         Command::Check(args) => check::check(&cli.place, args),
         Command::Mesh(command) => mesh::mesh(command),

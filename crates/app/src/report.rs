@@ -179,6 +179,24 @@ pub fn summary(report: &Report) -> String {
             device.device, device.samples, device.segments, device.gaps, device.path_mm
         ));
     }
+    for tool in report.presence.iter().filter(|tool| tool.lost() > 0.0) {
+        lines.push(format!(
+            "  tool \"{}\": tracked {:.1} s, occluded {:.1} s, stale {:.1} s, never seen {:.1} s",
+            tool.tool, tool.tracked, tool.occluded, tool.stale, tool.never_seen
+        ));
+    }
+    lines.extend(
+        report
+            .markers
+            .iter()
+            .map(|markers| format!("  {}", markers.words())),
+    );
+    lines.extend(
+        report
+            .arrivals
+            .iter()
+            .map(|arrivals| format!("  {}", arrivals.words())),
+    );
     if let Some(hash) = &s.state_hash {
         lines.push(format!("  state hash {hash}"));
     }

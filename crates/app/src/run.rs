@@ -203,9 +203,11 @@ fn carry_out(
         .map(|from| from.tick as f64 * plan.tick_ns as f64 * 1e-9);
     let begin = begin.unwrap_or(0.0);
     let late = installation.host.late;
+    let is_live = args.input.is_tracked_live() && !plan.waits_for_peer();
+    let is_paced = args.realtime || is_live;
     let options = RunOptions {
         threads: args.threads.into(),
-        realtime: (args.realtime || args.input.is_tracked_live()).then(|| Realtime {
+        realtime: is_paced.then(|| Realtime {
             tolerance: Duration::from_secs_f64(late.tolerance),
             give_up: Duration::from_secs_f64(late.give_up),
         }),
@@ -400,6 +402,8 @@ fn tell_json(
         "solver": report.solver,
         "implausible": report.implausible,
         "late_ticks": outcome.late_ticks,
+        "arrivals": report.arrivals,
+        "markers": report.markers,
         "state_hash": outcome.state_hash,
         "physics_digest": outcome.physics_digest,
         "session": session,

@@ -8,7 +8,7 @@ use microsim_host::assemble::{Installation, Places};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::{Session, SessionReader, Signatures, TickRecord};
 use microsim_message::LocalText;
-use microsim_report::{Report, ReportBuilder, ReportInput};
+use microsim_report::{Report, ReportBuilder, ReportInput, TimeSpread};
 use microsim_settings::{ToolSlot, open_regular, read_regular};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,6 +50,7 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
     // Also where another installation is worked on: its libraries are for this host.
     guests.rules.program =
         std::env::current_exe().map_err(|e| format!("where this program lies: {e}"))?;
+    installation.calibration = Folders::of(place).ok().map(|folders| folders.calibration());
     if place.no_deadline {
         (guests.rules.deadline, guests.rules.memory) = (None, None);
     }
@@ -183,6 +184,11 @@ pub fn report_of(session: &Session, path: &Path) -> Result<Report, Problem> {
         complaint: complaint(session),
         failures: session.failures.iter().map(ToString::to_string).collect(),
         late_ticks: session.end.as_ref().map_or(0, |end| end.late_ticks),
+        tick_times: session
+            .end
+            .as_ref()
+            .and_then(|end| end.tick_times)
+            .map(|[p50, p99, longest]| TimeSpread { p50, p99, longest }),
         session_file: path.display().to_string(),
         replay_command: format!("microsim replay {} --verify", shell_word(path)),
     };

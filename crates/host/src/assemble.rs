@@ -14,12 +14,12 @@ use crate::input::{SourceSetup, source_setup};
 use crate::installed::{RunSetup, planned, probe};
 use crate::plan::{PlannedPart, PlannedPlugin, PluginKind, RunPlan};
 use crate::request::refuse;
-use microsim_message::{SetupFile, TISSUE_ELEMENTS, config_value};
+use microsim_message::{MarkerTracking, Message, SetupFile, TISSUE_ELEMENTS, config_value};
 use microsim_settings as settings;
 use serde_json::Value;
 use settings::{
-    Level, Loaded, Manifest, ModuleConfig, ModuleFolder, ObjectsConfig, PhysicsConfig,
-    RecorderConfig, RendererConfig, ToolModels, TranslatorConfig,
+    Calibration, Level, Loaded, Manifest, ModuleConfig, ModuleFolder, ObjectsConfig, PhysicsConfig,
+    RecorderConfig, RendererConfig, ToolModels, TranslatorConfig, translator_parts,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -40,8 +40,17 @@ pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPla
         models: tool_models(installation, &level.settings)?,
         level,
         source: source_setup(installation, request)?,
+        calibration: calibration(installation)?,
     };
     planner.plan()
+}
+
+/// What was calibrated on this station.
+pub fn calibration(installation: &Installation) -> Result<Calibration, AssembleError> {
+    match &installation.calibration {
+        Some(path) => Ok(settings::load_calibration(path)?),
+        None => Ok(Calibration::default()),
+    }
 }
 
 /// In what a recorded plan differs from the one that this installation would make for the same level: one line each, none if a verdict of
@@ -55,8 +64,10 @@ pub fn differences(
         return Ok(vec!["no source was recorded".into()]);
     };
     let translator = given(PluginKind::Translator);
-    let devices = translator.and_then(|t| t.setup.configuration::<TranslatorConfig>().ok());
-    let devices = devices.map(|config| config.devices.into_iter().map(|d| d.name).collect());
+    let translator = translator.and_then(|t| t.setup.configuration::<TranslatorConfig>().ok());
+    // What was calibrated belongs to the input, as the devices do.
+    let calibration = translator.as_ref().map(|config| config.calibration.clone());
+    let devices = translator.map(|config| config.devices.into_iter().map(|d| d.name).collect());
     let request = Request {
         module: recorded.module.clone(),
         level: recorded.level,
@@ -82,6 +93,7 @@ pub fn differences(
             note: None,
             synthetic: None,
         },
+        calibration: calibration.unwrap_or_default(),
     };
     Ok(compare(recorded, &planner.plan()?))
 }
@@ -156,6 +168,7 @@ struct Planner<'a> {
     level: Arc<Loaded<Level>>,
     models: ToolModels,
     source: SourceSetup,
+    calibration: Calibration,
 }
 
 impl Planner<'_> {
@@ -213,7 +226,16 @@ impl Planner<'_> {
             let Some((config, files)) = self.config(plugin.settings.kind)? else {
                 continue;
             };
-            let planned = planned(self.installation, plugin, why, run, config, files)?;
+            let mut planned = planned(self.installation, plugin, why, run, config, files)?;
+            if planned.kind == PluginKind::Translator {
+                let config = self.translator()?;
+                if !config.markers.is_empty() {
+                    planned.publishes.push(MarkerTracking::KIND.into());
+                }
+                let path = self.installation.calibration.as_deref();
+                let parts = translator_parts(&config, path.unwrap_or(Path::new("")));
+                plan.parts.extend(parts.into_iter().map(PlannedPart::from));
+            }
             if plan.plugins.iter().any(|p| p.name == planned.name) {
                 return refuse(format!("plugin \"{}\" would be loaded twice", planned.name));
             }
@@ -272,10 +294,8 @@ impl Planner<'_> {
                 )));
             }
             PluginKind::Translator => {
-                let path = self.installation.setting("translator.toml");
-                let translator = settings::load_translator(&path)?.settings;
-                let devices = self.source.devices.as_deref();
-                config_value(&TranslatorConfig::new(&translator, devices, &level.tool))
+                let config = self.translator()?;
+                config_value(&config)
             }
             PluginKind::Physics => {
                 let Some(config) = PhysicsConfig::new(level, &self.models) else {
@@ -305,6 +325,20 @@ impl Planner<'_> {
             }),
         };
         Ok(Some((config, Vec::new())))
+    }
+
+    /// What the translator is given.
+    fn translator(&self) -> Result<TranslatorConfig, AssembleError> {
+        let path = self.installation.setting("translator.toml");
+        let translator = settings::load_translator(&path)?.settings;
+        let devices = self.source.devices.as_deref();
+        let tools = &self.level.settings.tool;
+        Ok(TranslatorConfig::new(
+            &translator,
+            &self.calibration,
+            devices,
+            tools,
+        ))
     }
 
     /// The files that the level names, under the names by which it does.

@@ -75,13 +75,22 @@ pub(crate) fn source_setup(
             synthetic: None,
         }),
         Input::Script(given) => {
-            let module = installation.module(&request.module)?;
-            let scripts = module.manifest.document.path().with_file_name("scripts");
-            let path = installation.find(given, &[scripts]);
+            // Who listens to an input without running a module looks for it nowhere else.
+            let places = match request.module.is_empty() {
+                true => Vec::new(),
+                false => {
+                    let module = installation.module(&request.module)?;
+                    vec![module.manifest.document.path().with_file_name("scripts")]
+                }
+            };
+            let path = installation.find(given, &places);
             let script = settings::load_script(&path)?;
-            let made_for = script
-                .settings
-                .made_for_another(&request.module, request.level);
+            let made_for = match request.module.is_empty() {
+                true => None,
+                false => script
+                    .settings
+                    .made_for_another(&request.module, request.level),
+            };
             let note = made_for.map(|what| {
                 let (path, module, level) = (path.display(), &request.module, request.level);
                 tracing::warn!("{path}: made for {what}; this is {module}, level {level}");
@@ -131,6 +140,11 @@ fn tracker(
             .client_of(address)
             .map_err(|error| AssembleError(format!("input: {error}")))?,
     };
+    let markers = marker_names(installation)?;
+    let link = settings::OpenIgtLink {
+        marker: link.marker.into_iter().chain(markers).collect(),
+        ..link
+    };
     let role = link.role.name();
     Ok(SourceSetup {
         plugin: OPENIGTLINK.into(),
@@ -141,6 +155,14 @@ fn tracker(
         note: None,
         synthetic: None,
     })
+}
+
+/// The devices that are markers of instruments.
+fn marker_names(installation: &Installation) -> Result<Vec<String>, AssembleError> {
+    let path = installation.config.join("translator.toml");
+    let translator = settings::load_translator(&path)?.settings;
+    let markers = translator.markers.into_iter().flat_map(|tool| tool.marker);
+    Ok(markers.map(|marker| marker.name).collect())
 }
 
 /// The set-up that plays a recording of these devices.

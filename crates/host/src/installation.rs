@@ -71,6 +71,8 @@ pub struct Installation {
     pub complaints: Vec<settings::ConfigError>,
     /// Which plugins run in a process of their own, and how.
     pub guests: Guests,
+    /// The calibration of this station, which need not exist; `None` where nothing of it counts.
+    pub calibration: Option<PathBuf>,
     /// Files that the installation brought, by their path, with their digests.
     hashes: BTreeMap<PathBuf, String>,
     /// Levels that were read already, by their files: each is parsed once in a process.
@@ -111,6 +113,7 @@ impl Installation {
             host,
             complaints,
             guests,
+            calibration: None,
             hashes: hashes(root)?,
             levels: Mutex::default(),
         })

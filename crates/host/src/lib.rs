@@ -6,6 +6,7 @@
 //! - [`loader`]: objects of plugins, from libraries that are checked before their code runs.
 //! - [`guest`]: plugins in a process of their own.
 //! - [`engine`]: the deterministic loop and its running hash.
+//! - [`listen`]: a source alone, without a module.
 //! - [`run`]: a run at the edge: wall clock, controls, recording, pictures.
 //! - [`record`], [`replay`]: what stands in a session, and recomputing it.
 
@@ -23,6 +24,7 @@ mod input;
 pub mod installation;
 mod installed;
 mod library;
+pub mod listen;
 pub mod loader;
 pub mod parallel;
 pub mod picture;

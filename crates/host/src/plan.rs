@@ -174,6 +174,12 @@ impl RunPlan {
         }
     }
 
+    /// Whether ticks wait for a peer whose clock decides (`clock` of config/openigtlink.toml), and not for that of this machine.
+    pub fn waits_for_peer(&self) -> bool {
+        let mut sources = self.plugins.iter().filter(|p| p.kind == PluginKind::Source);
+        sources.any(|p| p.setup.config["clock"] == "device")
+    }
+
     /// Whether the run counts as a result of the trainee.
     pub fn counts(&self) -> bool {
         self.without.is_empty()

@@ -126,6 +126,9 @@ pub struct EndRecord {
     pub chain: Vec<u8>,
     /// Ticks that began late (paced runs).
     pub late_ticks: u64,
+    /// From the begin of a tick to its snapshot: p50, p99 and the longest (paced runs) \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tick_times: Option<[f64; 3]>,
 }
 
 /// A record with its kind and tick, ready for the file.

@@ -76,6 +76,8 @@ pub struct RunOutcome {
     pub pictures: Option<PictureReport>,
     /// Ticks that began late.
     pub late_ticks: u64,
+    /// From the begin of a tick to its snapshot: p50, p99 and the longest (paced runs) \[s\].
+    pub tick_times: Option<[f64; 3]>,
     /// The checkpoint that was asked for.
     pub checkpoint: Option<Checkpoint>,
 }
@@ -172,6 +174,17 @@ fn recorded_plan(plan: &RunPlan) -> RunPlan {
     plan
 }
 
+/// Median, 99th percentile and the longest of times, each the smallest that as many are not above.
+fn spread(mut times: Vec<f32>) -> Option<[f64; 3]> {
+    times.sort_by(f32::total_cmp);
+    let last = times.len().checked_sub(1)?;
+    let at = |fraction: f64| {
+        let rank = (fraction * times.len() as f64).ceil() as usize;
+        f64::from(times[rank.saturating_sub(1).min(last)])
+    };
+    Some([at(0.5), at(0.99), at(1.0)])
+}
+
 /// The loop of a run over its ticks.
 struct RunLoop<'a> {
     engine: &'a mut Engine,
@@ -193,9 +206,12 @@ impl RunLoop<'_> {
             complaints: Vec::new(),
             pictures: None,
             late_ticks: 0,
+            tick_times: None,
             checkpoint: None,
         };
-        let ended = self.ticks(plan, options, &mut outcome);
+        let mut times = Vec::new();
+        let ended = self.ticks(plan, options, &mut outcome, &mut times);
+        outcome.tick_times = spread(times);
         let ended = ended.and_then(|ended| {
             self.add_values(outcome.result.as_ref())?;
             outcome.physics_digest = hex(&self.values.value());
@@ -215,7 +231,7 @@ impl RunLoop<'_> {
                 (Ended::Failure, Vec::new())
             }
         };
-        let closed = self.close(ended, states, outcome.late_ticks);
+        let closed = self.close(ended, states, &outcome);
         let recorder_failed = closed.is_err();
         outcome.failure = outcome.failure.or(closed.err());
         (outcome, recorder_failed)
@@ -226,6 +242,7 @@ impl RunLoop<'_> {
         plan: &RunPlan,
         options: RunOptions<'_>,
         outcome: &mut RunOutcome,
+        times: &mut Vec<f32>,
     ) -> Result<Ended, Failure> {
         let now = Instant::now();
         let tick = Duration::from_nanos(plan.tick_ns);
@@ -272,6 +289,7 @@ impl RunLoop<'_> {
             };
             let _tick = span::of_tick(tick);
             let controls = std::mem::take(&mut host.controls);
+            let begin = Instant::now();
             let output = match self.engine.tick(Feed::Live { control: &controls }) {
                 Ok(output) => output,
                 Err(failure) => {
@@ -279,6 +297,9 @@ impl RunLoop<'_> {
                     return Err(failure);
                 }
             };
+            if pace.is_some() {
+                times.push(begin.elapsed().as_secs_f32());
+            }
             outcome.ticks = self.engine.tick_index();
             let time = self.engine.time_ns();
             self.record(plan, tick, arrival_ns, &output)?;
@@ -381,14 +402,15 @@ impl RunLoop<'_> {
         &mut self,
         ended: Ended,
         states: Vec<StateDigest>,
-        late_ticks: u64,
+        outcome: &RunOutcome,
     ) -> Result<(), Failure> {
         let chain = self.engine.chain().to_vec();
         let end = EndRecord {
             ended,
             states,
             chain,
-            late_ticks,
+            late_ticks: outcome.late_ticks,
+            tick_times: outcome.tick_times,
         };
         let tick = self.engine.tick_index();
         self.recorder.write(&record(kind::CLOSE, tick, &end))?;

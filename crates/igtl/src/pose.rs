@@ -42,6 +42,14 @@ impl fmt::Display for NotRigid {
 impl std::error::Error for NotRigid {}
 
 impl Matrix {
+    /// Its position alone \[m\].
+    ///
+    /// # Errors
+    /// If a number of it is not finite.
+    pub fn place(&self) -> Result<Vector3<f64>, NotRigid> {
+        metres(self.translation)
+    }
+
     /// As a pose: the rotation nearest to the matrix.
     ///
     /// # Errors
@@ -62,12 +70,22 @@ impl Matrix {
         let rotation = Rotation3::from_matrix_unchecked(nearest);
         Ok(Pose {
             position,
-            orientation: UnitQuaternion::from_rotation_matrix(&rotation),
+            orientation: fixed_quaternion(
+                UnitQuaternion::from_rotation_matrix(&rotation).into_inner(),
+            ),
         })
     }
 }
 
 impl Position {
+    /// Its position alone \[m\].
+    ///
+    /// # Errors
+    /// If a number of it is not finite.
+    pub fn place(&self) -> Result<Vector3<f64>, NotRigid> {
+        metres(self.position)
+    }
+
     /// As a pose.
     ///
     /// # Errors
@@ -84,10 +102,25 @@ impl Position {
             norm if (norm - 1.0).abs() > NEARLY => Err(NotRigid::NoRotation),
             _ => Ok(Pose {
                 position,
-                orientation: UnitQuaternion::new_normalize(quaternion),
+                orientation: fixed_quaternion(quaternion),
             }),
         }
     }
+}
+
+/// The quaternion scaled to length 1 until that changes no bit: whoever scales it once more, as the translator does, has the same one, and so has whoever plays it back.
+fn fixed_quaternion(quaternion: Quaternion<f64>) -> UnitQuaternion<f64> {
+    const MOST: usize = 8;
+    let mut numbers: [f64; 4] = quaternion.coords.into();
+    for _ in 0..MOST {
+        let norm = numbers.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let scaled = numbers.map(|x| x / norm);
+        if scaled == numbers {
+            break;
+        }
+        numbers = scaled;
+    }
+    UnitQuaternion::new_unchecked(Quaternion::from_vector(numbers.into()))
 }
 
 fn metres(millimetres: [f32; 3]) -> Result<Vector3<f64>, NotRigid> {

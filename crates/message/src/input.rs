@@ -59,6 +59,44 @@ impl Message for ImplausibleSample {
     const KIND: &'static str = "input.implausible";
 }
 
+/// How long the samples of a tick had waited in a live source, and what it had to drop: measured by the clock of this machine, so no two runs have the same.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct InputTiming {
+    /// From the arrival of each sample to the tick that publishes it \[s\].
+    pub waits: Vec<f64>,
+    /// Samples that found no place in the queue since the last tick.
+    pub dropped: u64,
+}
+
+impl Message for InputTiming {
+    const KIND: &'static str = "input.timing";
+}
+
+/// What the markers of an instrument have shown at one time. Published by the translator where instruments with markers are configured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MarkerTracking {
+    /// The device that the markers make up.
+    pub device: String,
+    /// Time of the markers by the device's clock \[s\].
+    pub device_time: f64,
+    /// Root mean square residual of the fit \[m\]; `None` where there is no pose.
+    pub residual: Option<f64>,
+    /// Markers that are not seen.
+    pub missing: u32,
+    /// Markers that are seen as one point with another.
+    pub merged: u32,
+    /// Points that have the name of another marker.
+    pub permuted: u32,
+    /// Points that are no marker.
+    pub unknown: u32,
+    /// Why there is no pose, one sentence.
+    pub loss: Option<String>,
+}
+
+impl Message for MarkerTracking {
+    const KIND: &'static str = "input.markers";
+}
+
 /// A source has nothing more to give.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputEnd {

@@ -21,7 +21,7 @@ mod tests;
 mod tool;
 mod wire;
 
-pub use input::{ImplausibleSample, InputEnd, InputSample};
+pub use input::{ImplausibleSample, InputEnd, InputSample, InputTiming, MarkerTracking};
 pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,
@@ -63,6 +63,8 @@ pub fn core_kinds() -> Vec<KindInfo> {
         wire::info::<InputSample>(),
         wire::info::<InputEnd>(),
         wire::info::<ImplausibleSample>(),
+        wire::info::<InputTiming>(),
+        wire::info::<MarkerTracking>(),
         wire::info::<ToolSample>(),
         wire::info::<ToolStates>(),
         wire::info::<ToolPlacements>(),

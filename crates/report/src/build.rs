@@ -1,18 +1,20 @@
 //! From the messages of a session to its report.
 
+use crate::arrival::ArrivalCollector;
 use crate::device::DeviceCollector;
 use crate::force::ForceCollector;
 use crate::implausible::ImplausibleCollector;
 use crate::input::ReportInput;
+use crate::marker::MarkerCollector;
 use crate::moment::MomentCollector;
 use crate::motion::{MotionCollector, PresenceCollector};
 use crate::report::{EventRecord, MetricEntry, RecoveryRecord, Report, Verdict, Warning};
 use crate::solver::SolverCollector;
 use microsim_bus::{Frame, Frames};
 use microsim_message::{
-    ContactForces, DecodeError, ImplausibleSample, InputSample, LevelEvent, LevelState, Log,
-    LogLevel, Message, SolverTick, TissueCut, TissueRecovery, ToolSample, ToolStates,
-    TrainingResult, decode,
+    ContactForces, DecodeError, ImplausibleSample, InputSample, InputTiming, LevelEvent,
+    LevelState, Log, LogLevel, MarkerTracking, Message, SolverTick, TissueCut, TissueRecovery,
+    ToolSample, ToolStates, TrainingResult, decode,
 };
 use std::collections::BTreeMap;
 
@@ -89,6 +91,8 @@ impl<'a> ReportBuilder<'a> {
 /// What has been read so far.
 struct Reading<'a> {
     devices: DeviceCollector,
+    arrivals: ArrivalCollector,
+    markers: MarkerCollector,
     implausible: ImplausibleCollector,
     motion: MotionCollector,
     presence: PresenceCollector,
@@ -108,6 +112,8 @@ impl<'a> Reading<'a> {
     fn new(input: &'a ReportInput) -> Self {
         Self {
             devices: DeviceCollector::default(),
+            arrivals: ArrivalCollector::default(),
+            markers: MarkerCollector::default(),
             implausible: ImplausibleCollector::default(),
             motion: MotionCollector::default(),
             presence: PresenceCollector::default(),
@@ -125,12 +131,17 @@ impl<'a> Reading<'a> {
 
     fn take(&mut self, tick: u64, now: f64, frame: &Frame<'_>) -> Result<(), DecodeError> {
         if let Some(sample) = read::<InputSample>(frame)? {
+            self.arrivals.add_sample(&sample);
             self.devices.add(sample);
         } else if let Some(sample) = read::<ToolSample>(frame)? {
             self.implausible.add_sample(&sample);
             self.motion.add(now, sample);
         } else if let Some(sample) = read::<ImplausibleSample>(frame)? {
             self.implausible.add(now, &sample);
+        } else if let Some(timing) = read::<InputTiming>(frame)? {
+            self.arrivals.add(&timing);
+        } else if let Some(tracking) = read::<MarkerTracking>(frame)? {
+            self.markers.add(tracking);
         } else if let Some(states) = read::<ToolStates>(frame)? {
             self.presence.add(tick, states);
         } else if let Some(forces) = read::<ContactForces>(frame)? {
@@ -208,6 +219,8 @@ impl<'a> Reading<'a> {
             categories: Vec::new(),
             metrics: Vec::new(),
             input: self.devices.finish(),
+            arrivals: self.arrivals.finish(input.tick_times),
+            markers: self.markers.finish(),
             implausible: self.implausible.finish(),
             presence: self.presence.finish(ticks_end, input.tick_s),
             series: self.motion.finish(),

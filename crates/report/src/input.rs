@@ -1,5 +1,6 @@
 //! What a report needs besides the messages of the session.
 
+use crate::arrival::TimeSpread;
 use crate::text::in_both;
 use microsim_message::LocalText;
 use serde::{Deserialize, Serialize};
@@ -56,6 +57,9 @@ pub struct ReportInput {
     pub failures: Vec<String>,
     /// Ticks that began late (paced runs).
     pub late_ticks: u64,
+    /// From the begin of a tick to its snapshot (paced runs).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tick_times: Option<TimeSpread>,
     /// Name of the session file.
     pub session_file: String,
     /// The command that replays it.

@@ -19,12 +19,14 @@
 
 #![forbid(unsafe_code)]
 
+mod arrival;
 mod build;
 mod device;
 mod force;
 mod html;
 mod implausible;
 mod input;
+mod marker;
 mod moment;
 mod motion;
 mod number;
@@ -36,12 +38,14 @@ mod table;
 mod testing;
 mod text;
 
+pub use arrival::{ArrivalRecord, TimeSpread};
 pub use build::ReportBuilder;
 pub use device::DeviceRecord;
 pub use force::ForceSeries;
 pub use html::{Page, Pictures};
 pub use implausible::{ImplausibleRecord, ImplausibleStretch};
 pub use input::ReportInput;
+pub use marker::MarkerRecord;
 pub use microsim_vocabulary::Language;
 pub use moment::{Moment, MomentKind};
 pub use motion::{ToolPresence, ToolSeries};

@@ -38,6 +38,13 @@ pub struct ToolPresence {
     pub never_seen: f64,
 }
 
+impl ToolPresence {
+    /// How long it was not tracked, after its first sample or before \[s\].
+    pub fn lost(&self) -> f64 {
+        self.occluded + self.stale + self.never_seen
+    }
+}
+
 /// Gathers the samples of each tool, tools in the order of their first sample.
 #[derive(Default)]
 pub(crate) struct MotionCollector {

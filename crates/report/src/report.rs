@@ -1,7 +1,9 @@
 //! The report as data.
 
+use crate::arrival::ArrivalRecord;
 use crate::implausible::ImplausibleRecord;
 use crate::input::ReportInput;
+use crate::marker::MarkerRecord;
 use crate::solver::SolverRecord;
 use crate::text::in_both;
 use crate::{DeviceRecord, ForceSeries, Moment, ToolPresence, ToolSeries};
@@ -57,6 +59,12 @@ pub struct Report {
     pub metrics: Vec<MetricEntry>,
     /// The raw input, device by device.
     pub input: Vec<DeviceRecord>,
+    /// How samples of live trackers came; `None` where none was live.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrivals: Option<ArrivalRecord>,
+    /// What the markers of instruments have shown.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub markers: Vec<MarkerRecord>,
     /// Samples that no hand makes, of each tool that had any; they were left out.
     #[serde(default)]
     pub implausible: Vec<ImplausibleRecord>,

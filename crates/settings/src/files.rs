@@ -4,7 +4,7 @@ use crate::schema::Schema;
 use crate::table::Table;
 
 /// The kinds of file, by the names that the command line uses, each with a sentence about it.
-pub const KINDS: [(&str, &str); 12] = [
+pub const KINDS: [(&str, &str); 13] = [
     (
         "manifest",
         "plugin.toml and module.toml: what a plugin or training module is, needs and declares.",
@@ -32,6 +32,10 @@ pub const KINDS: [(&str, &str); 12] = [
     (
         "translator",
         "config/translator.toml: which device drives which tool, and how its frame lies in the field.",
+    ),
+    (
+        "calibration",
+        "calibration.toml of a station: tips of instruments and places of trackers, written by `microsim calibrate`.",
     ),
     (
         "openigtlink",

@@ -12,6 +12,7 @@
 
 mod body;
 mod body_check;
+mod calibration;
 mod chart;
 mod check;
 mod colour;
@@ -22,6 +23,7 @@ mod discover;
 mod document;
 mod error;
 mod explain;
+mod explain_tools;
 mod files;
 mod guess;
 mod host;
@@ -55,6 +57,9 @@ pub use body::{
     Body, Clamp, Coupling, Generator, Layer, Load, MAX_ELEMENTS, MotionKey, Nodes, Refine, Shell,
     Start,
 };
+pub use calibration::{
+    Calibration, TipCalibration, WorkspaceCalibration, load_calibration, read_calibration,
+};
 pub use chart::{
     Chart, ChartBudget, ChartExact, ChartMaterial, ChartMeasure, ChartMethod, ChartResolution,
     ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
@@ -68,6 +73,7 @@ pub use discover::{ModuleFolder, Tree, discover, discover_with};
 pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
 pub use explain::{LevelPart, level_parts};
+pub use explain_tools::translator_parts;
 pub use files::KINDS;
 pub use guess::guess_kind;
 pub use host::{
@@ -88,7 +94,8 @@ pub use microsim_vocabulary::{
     LocalText, MethodName, Overflow, PluginKind, QuantityError, Unit,
 };
 pub use openigtlink::{
-    LinkDevice, LinkRole, OpenIgtLink, TrackedStream, load_openigtlink, read_openigtlink,
+    LinkClock, LinkDevice, LinkOpening, LinkRole, OpenIgtLink, TrackedStream, load_openigtlink,
+    read_openigtlink,
 };
 pub use overrides::Override;
 pub use plugin_config::{
@@ -110,7 +117,8 @@ pub use script::{
 pub use tool::{Irrigation, Jaw, Tool, ToolCapsule, load_tool, read_tool};
 pub use trainees::{Sourced, TraineeProfile, Trainees, load_trainees, read_trainees};
 pub use translator::{
-    DeviceMap, Hand, OpeningName, OpeningSource, Translator, load_translator, read_translator,
+    ClutchMap, DeviceMap, DominantHand, Filter, FilterParameters, Hand, MarkerPlace, MarkerTool,
+    OpeningName, OpeningSource, TrackingBox, Translator, load_translator, read_translator,
 };
 pub use vessel::{
     Basis, Vessel, VesselConstants, VesselLayer, VesselValue, load_vessel, read_vessel,
@@ -127,6 +135,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "chart" => schema_of::<Chart>(kind),
         "tool" => schema_of::<Tool>(kind),
         "translator" => schema_of::<Translator>(kind),
+        "calibration" => schema_of::<Calibration>(kind),
         "openigtlink" => schema_of::<OpenIgtLink>(kind),
         "recording" => schema_of::<RecordingMap>(kind),
         "script" => schema_of::<Script>(kind),

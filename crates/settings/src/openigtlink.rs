@@ -4,9 +4,9 @@ use crate::check::{items, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::files::schema_of;
-use crate::kinds::{identifier, time};
+use crate::kinds::{identifier, quantity, time};
 use crate::table::{choices, table};
-use microsim_vocabulary::terms;
+use microsim_vocabulary::{Unit, terms};
 use std::net::{IpAddr, SocketAddr};
 use std::path::Path;
 
@@ -30,7 +30,12 @@ table! {
         retry: f64 = time(0.01, 60.0) => 1.0,
         /// A connection on which nothing comes for this long has failed \[s\].
         silence: f64 = time(0.05, 3600.0) => 2.0,
-        /// Tools whose names in the protocol are not those of devices in config/translator.toml.
+        /// Which time decides when a sample counts: that of its `arrival`, or that of the `device`. With `device` a run waits for samples and takes as long as the peer
+        /// does, each sample counts in the tick in which its time lies, and the first one is that of the start: for peers that play motion back.
+        clock: LinkClock => "arrival",
+        /// Devices of which the position counts without an orientation, by their names here; markers of config/translator.toml are such without being named.
+        marker: Vec<String> [0, 256],
+        /// Tools whose names in the protocol are not those of devices in config/translator.toml, or whose openings come by themselves.
         device: Vec<LinkDevice> [0, 32],
     }
 }
@@ -42,6 +47,30 @@ table! {
         name: String,
         /// The device of config/translator.toml.
         device: String = identifier(),
+        /// Where its opening comes from; the protocol has no place for it.
+        opening: Option<LinkOpening>,
+    }
+}
+
+table! {
+    /// An opening that comes as the x coordinate of a device of its own: the width of the jaws, for example. It is that of the next pose of the tool.
+    pub struct LinkOpening {
+        /// The name of that device in the protocol; at most 20 bytes.
+        name: String,
+        /// Coordinate that means closed \[m\].
+        closed: f64 = quantity(Unit::Length, -10.0, 10.0) => 0.0,
+        /// Coordinate that means open \[m\].
+        open: f64 = quantity(Unit::Length, -10.0, 10.0),
+    }
+}
+
+terms! {
+    /// Whose time counts.
+    pub enum LinkClock {
+        /// That of the arrival.
+        Arrival = "arrival",
+        /// That of the device.
+        Device = "device",
     }
 }
 
@@ -67,7 +96,14 @@ terms! {
     }
 }
 
-choices! { LinkRole, TrackedStream }
+choices! { LinkClock, LinkRole, TrackedStream }
+
+impl LinkOpening {
+    /// The opening from 0 closed to 1 open that a coordinate means \[m\]; beyond the ends it is that of the ends.
+    pub fn opening(&self, x: f64) -> f64 {
+        ((x - self.closed) / (self.open - self.closed)).clamp(0.0, 1.0)
+    }
+}
 
 impl OpenIgtLink {
     /// The same as a client of another address.
@@ -83,6 +119,22 @@ impl OpenIgtLink {
             }),
             Some((found, expected)) => Err(format!("{found}; expected {expected}")),
         }
+    }
+
+    /// The device whose opening a device of this name in the protocol is, and how.
+    pub fn opening(&self, name: &str) -> Option<(&str, &LinkOpening)> {
+        self.device.iter().find_map(|listed| {
+            let opening = listed
+                .opening
+                .as_ref()
+                .filter(|opening| opening.name == name)?;
+            Some((&listed.device[..], opening))
+        })
+    }
+
+    /// Whether a device has a position alone.
+    pub fn is_marker(&self, device: &str) -> bool {
+        self.marker.iter().any(|marker| marker == device)
     }
 
     /// What a tool of this name in the protocol is called.
@@ -145,6 +197,22 @@ pub fn read_openigtlink(text: &str, file: &str) -> Result<Loaded<OpenIgtLink>, C
             "a longer one",
             "at most 20 bytes, as the protocol has no more",
         );
+    }
+    let ends: Vec<(usize, Option<(f64, f64)>)> = items(reading.value(), "device")
+        .map(|(at, device)| {
+            let opening = &device["opening"];
+            (at, opening["closed"].as_f64().zip(opening["open"].as_f64()))
+        })
+        .collect();
+    for (at, ends) in ends {
+        if ends.is_some_and(|(closed, open)| closed == open) {
+            let key = root.key("device").at(at).key("opening");
+            reading.complain(
+                &key,
+                "one coordinate for closed and open",
+                "`closed` other than `open`",
+            );
+        }
     }
     reading.finish()
 }

@@ -3,6 +3,7 @@
 //! and line; a plugin that was built for other keys refuses the value itself.
 
 use crate::body::Body;
+use crate::calibration::{Calibration, TipCalibration, WorkspaceCalibration};
 use crate::colour::Colour;
 use crate::contact::{ContactPair, CutPair};
 use crate::level::{Level, Limit, MetricParameters, Object, Physics, ToolSlot, View};
@@ -12,7 +13,10 @@ use crate::recording::RecordingMap;
 use crate::rigid::Rigid;
 use crate::script::Script;
 use crate::tool::Tool;
-use crate::translator::{DeviceMap, Hand, OpeningName, OpeningSource, Translator};
+use crate::translator::{
+    ClutchMap, DeviceMap, DominantHand, Filter, Hand, MarkerTool, OpeningName, OpeningSource,
+    Translator,
+};
 use microsim_vocabulary::Finish;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -57,39 +61,132 @@ pub struct TranslatorConfig {
     pub devices: Vec<DeviceMap>,
     /// All tools of the level.
     pub tools: Vec<ToolSlot>,
+    /// Instruments with markers, of those devices. What follows is not written where there is none of it, so that runs without it are those of earlier versions
+    /// to the bit.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub markers: Vec<MarkerTool>,
+    /// Clutches.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clutches: Vec<ClutchMap>,
+    /// Filters of those devices.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub filters: Vec<Filter>,
+    /// What was calibrated on this station.
+    #[serde(default, skip_serializing_if = "Calibration::is_empty")]
+    pub calibration: Calibration,
 }
 
 impl TranslatorConfig {
     /// Which of the source's `devices` drives which tool: as the translator's file states, otherwise the tool of the device's
     /// own name. Where the devices are not known beforehand, every tool that the file does not list has a device of its own name.
-    pub fn new(translator: &Translator, devices: Option<&[String]>, tools: &[ToolSlot]) -> Self {
-        let listed = &translator.device;
+    pub fn new(
+        translator: &Translator,
+        calibration: &Calibration,
+        devices: Option<&[String]>,
+        tools: &[ToolSlot],
+    ) -> Self {
         let has_tool = |map: &DeviceMap| tools.iter().any(|tool| tool.name == map.tool);
-        let maps = match devices {
+        let map_of = |device: &str| {
+            let map = translator.device.iter().find(|map| map.name == device);
+            let mut map = map.cloned().unwrap_or_else(|| DeviceMap::identity(device));
+            adjust(translator, &mut map);
+            map
+        };
+        let maps: Vec<DeviceMap> = match devices {
             Some(devices) => {
-                let map = |device: &String| {
-                    let map = listed.iter().find(|map| map.name == *device);
-                    map.cloned().unwrap_or_else(|| DeviceMap::identity(device))
-                };
-                devices.iter().map(map).filter(has_tool).collect()
+                let made_up = translator.markers.iter().filter(|tool| {
+                    let mut markers = tool.marker.iter();
+                    markers.any(|marker| devices.contains(&marker.name))
+                });
+                let made_up = made_up.map(|tool| tool.device.clone());
+                let mut all = devices.to_vec();
+                for device in made_up {
+                    if !all.contains(&device) {
+                        all.push(device);
+                    }
+                }
+                all.iter()
+                    .map(|device| map_of(device))
+                    .filter(has_tool)
+                    .collect()
             }
             None => {
-                let mut maps: Vec<DeviceMap> =
-                    listed.iter().filter(|map| has_tool(map)).cloned().collect();
+                let listed = translator.device.iter().map(|map| map_of(&map.name));
+                let mut maps: Vec<DeviceMap> = listed.filter(has_tool).collect();
                 for tool in tools {
                     if !maps.iter().any(|map| map.tool == tool.name) {
-                        maps.push(DeviceMap::identity(&tool.name));
+                        let mut map = map_of(translator.device_of(&tool.name));
+                        map.tool = tool.name.clone();
+                        maps.push(map);
                     }
                 }
                 maps
             }
         };
+        let drives = |device: &str| maps.iter().any(|map| map.name == device);
+        let markers = translator
+            .markers
+            .iter()
+            .filter(|tool| drives(&tool.device));
+        let filters = translator
+            .filter
+            .iter()
+            .filter(|filter| drives(&filter.device));
+        let clutches = translator.clutch.iter().filter_map(|clutch| {
+            let is_here = |name: &&String| tools.iter().any(|tool| tool.name == **name);
+            let tool: Vec<String> = clutch.tool.iter().filter(is_here).cloned().collect();
+            let device = clutch.device.clone();
+            (!tool.is_empty()).then_some(ClutchMap { device, tool })
+        });
         Self {
             stale_after: translator.stale_after,
             hand: translator.hand,
-            devices: maps,
             tools: tools.to_vec(),
+            markers: markers.cloned().collect(),
+            clutches: clutches.collect(),
+            filters: filters.cloned().collect(),
+            calibration: calibration.of_devices(drives),
+            devices: maps,
         }
+    }
+
+    /// Where the tip of a device was calibrated to be.
+    pub fn tip(&self, device: &str) -> Option<&TipCalibration> {
+        self.calibration.tip.iter().find(|tip| tip.device == device)
+    }
+
+    /// Where the frame of a device was registered to lie.
+    pub fn workspace(&self, device: &str) -> Option<&WorkspaceCalibration> {
+        self.calibration.workspace_of(device)
+    }
+}
+
+/// What the trainee's hand and a box of the tracker make of a device's map.
+fn adjust(translator: &Translator, map: &mut DeviceMap) {
+    map.tool = translator.slot_of(&map.tool).to_owned();
+    let space = translator
+        .tracking_box
+        .iter()
+        .find(|space| space.device == map.name);
+    if let Some(space) = space {
+        map.origin = space.centre;
+        map.scale = space.scale();
+    }
+}
+
+impl Translator {
+    /// The slot that a tool of a right-handed trainee is in.
+    fn slot_of<'a>(&self, tool: &'a str) -> &'a str {
+        match (self.dominant, tool) {
+            (DominantHand::Left, "left") => "right",
+            (DominantHand::Left, "right") => "left",
+            _ => tool,
+        }
+    }
+
+    /// The device that drives a slot where none is listed: that of the same name, or of the other hand.
+    fn device_of<'a>(&self, slot: &'a str) -> &'a str {
+        self.slot_of(slot)
     }
 }
 

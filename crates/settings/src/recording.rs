@@ -48,11 +48,11 @@ table! {
         position: [String; 3],
         /// Unit of the position.
         position_unit: String = symbols(Unit::Length),
-        /// Headings of the columns x, y, z and w.
-        quaternion: [String; 4],
+        /// Headings of the columns x, y, z and w; none for a marker, which has a position alone.
+        quaternion: Option<[String; 4]>,
         /// The column of the opening, if the device has one.
         opening: Option<OpeningColumn>,
-        /// Heading of a column that is 0 while the device is not seen.
+        /// Heading of a column that is 1 while the device is seen and 0 while it is not; where it is empty the row has no sample of the device.
         visible: Option<String>,
     }
 }

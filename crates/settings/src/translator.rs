@@ -16,14 +16,16 @@
 //!
 //! Recorded are the 3,466 samples of `assets/recordings/cataract-stylus`, by difference quotients inside its segments.
 
-use crate::check::{texts, unique};
+use crate::check::{items, texts, unique};
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::{ConfigErrors, KeyPath};
 use crate::files::schema_of;
-use crate::kinds::{identifier, own_defaults, quantity, ratio, rotation, time, vector3};
+use crate::kinds::{identifier, own_defaults, quantity, ratio, rotation, time, vector, vector3};
 use crate::schema::Kind;
-use crate::table::{Setting, table};
-use microsim_tracking::HandLimits;
+use crate::table::{Setting, choices, table};
+use microsim_tracking::{
+    HandLimits, MarkedInstrument, Marker, MarkerModel, MarkerProblem, OneEuro,
+};
 use microsim_vocabulary::{Unit, terms};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -35,8 +37,157 @@ table! {
         stale_after: f64 = time(0.001, 10.0) => 0.1,
         /// What no hand goes beyond: samples that do are left out.
         hand: Hand => own_defaults(),
+        /// The trainee's dominant hand. Levels are made for right-handed people: with `left` the devices of the slots `left` and `right` change places.
+        dominant: DominantHand => "right",
         /// Devices that do not simply drive the tool of their own name.
         device: Vec<DeviceMap> [0, 32],
+        /// Devices that move in a box of the tracker, which becomes a part of the field.
+        tracking_box as "box": Vec<TrackingBox> [0, 32],
+        /// Instruments whose pose and opening come from the positions of their markers.
+        markers: Vec<MarkerTool> [0, 32],
+        /// Devices that hold the tips of tools while they are pressed, so that a hand can go back to the middle of its space.
+        clutch: Vec<ClutchMap> [0, 8],
+        /// Devices whose motion is filtered; without an entry none is.
+        filter: Vec<Filter> [0, 32],
+    }
+}
+
+terms! {
+    /// A hand.
+    pub enum DominantHand {
+        /// The right one.
+        Right = "right",
+        /// The left one.
+        Left = "left",
+    }
+}
+
+table! {
+    /// The space in which a tracker sees a device: its centre comes to lie where `field_offset` of the device is, and its width becomes that of the field. It takes the place of
+    /// the keys `origin` and `scale` of the device.
+    pub struct TrackingBox {
+        /// The device.
+        device: String = identifier(),
+        /// Width, depth and height; those of the first prototype of such a simulator by default \[m\].
+        size: [f64; 3] = vector(Unit::Length, 3, 0.01, 10.0) => [0.42, 0.35, 0.27],
+        /// Its middle in the frame of the device \[m\].
+        centre: [f64; 3] = vector3(Unit::Length, 10.0) => [0.0, 0.0, 0.0],
+        /// What its width is in the field: what a microscope shows at five times by default \[m\].
+        field_width: f64 = quantity(Unit::Length, 1e-4, 10.0) => 0.038,
+    }
+}
+
+table! {
+    /// An instrument with markers. Each marker is a device of the source, of which the position counts.
+    pub struct MarkerTool {
+        /// The device that they make up, as other tables name it.
+        device: String = identifier(),
+        /// Largest root mean square residual of a fit \[m\].
+        tolerance: f64 = quantity(Unit::Length, 1e-6, 0.01) => 5e-4,
+        /// Markers nearer than this may be seen as one point between them \[m\].
+        merge: f64 = quantity(Unit::Length, 0.0, 0.1) => 3e-3,
+        /// The markers.
+        marker: Vec<MarkerPlace> [3, 8],
+    }
+}
+
+table! {
+    /// A marker in the frame of the handle.
+    pub struct MarkerPlace {
+        /// The device of the source that it is.
+        name: String = identifier(),
+        /// Where it is when the instrument is closed \[m\].
+        at: [f64; 3] = vector3(Unit::Length, 1.0),
+        /// Where it is when the instrument is open, if it moves \[m\].
+        open: Option<[f64; 3]> = vector3(Unit::Length, 1.0),
+    }
+}
+
+table! {
+    /// A clutch: pressed while the device is seen, and its opening, if it has one, is at least one half.
+    pub struct ClutchMap {
+        /// The device, a pedal for example.
+        device: String = identifier(),
+        /// Slots of the tools whose tips stand while it is pressed.
+        tool: Vec<String> [1, 8],
+    }
+}
+
+table! {
+    /// A one-euro filter. A steady motion comes out later by 1/(2 pi f) with f = min_cutoff + beta speed: by 53 ms at rest with the defaults, by 20 ms at 50 mm/s.
+    /// It takes tremor away, which metrics then do not find.
+    #[derive(Copy)]
+    pub struct FilterParameters {
+        /// Cutoff at rest \[Hz\].
+        min_cutoff: f64 = quantity(Unit::Frequency, 0.01, 1000.0) => 3.0,
+        /// By how much the cutoff rises with the speed of the position: Hz per m/s.
+        beta: f64 = ratio(1e6) => 100.0,
+        /// By how much it rises with the speed of turning: Hz per rad/s.
+        turn_beta: f64 = ratio(1e6) => 3.0,
+        /// Cutoff of the speeds \[Hz\].
+        derivative_cutoff: f64 = quantity(Unit::Frequency, 0.01, 1000.0) => 1.0,
+        /// How far ahead positions are predicted, with the velocity of the filter; 0 is off \[s\].
+        predict: f64 = time(0.0, 0.2) => 0.0,
+    }
+}
+
+table! {
+    /// The filter of a device.
+    pub struct Filter {
+        /// The device.
+        device: String = identifier(),
+        /// How it is filtered.
+        parameters: FilterParameters => own_defaults(),
+    }
+}
+
+choices! { DominantHand }
+
+impl FilterParameters {
+    /// The filter of these parameters.
+    pub fn one_euro(&self) -> OneEuro {
+        OneEuro {
+            min_cutoff: self.min_cutoff,
+            beta: self.beta,
+            turn_beta: self.turn_beta,
+            derivative_cutoff: self.derivative_cutoff,
+            predict_s: self.predict,
+        }
+    }
+}
+
+impl TrackingBox {
+    /// Length in the field per length of the box.
+    pub fn scale(&self) -> f64 {
+        self.field_width / self.size[0]
+    }
+}
+
+impl MarkerTool {
+    /// The instrument, which takes samples of its markers.
+    ///
+    /// # Errors
+    /// If the markers determine no pose.
+    pub fn instrument(&self) -> Result<MarkedInstrument, MarkerProblem> {
+        let names = self
+            .marker
+            .iter()
+            .map(|marker| marker.name.clone())
+            .collect();
+        Ok(MarkedInstrument::new(&self.device, names, self.model()?))
+    }
+
+    /// The markers as the fit takes them.
+    ///
+    /// # Errors
+    /// If they determine no pose.
+    pub fn model(&self) -> Result<MarkerModel, MarkerProblem> {
+        let marker = |place: &MarkerPlace| Marker {
+            closed: place.at,
+            open: place.open.unwrap_or(place.at),
+        };
+        let markers = self.marker.iter().map(marker).collect();
+        MarkerModel::new(markers, self.tolerance, self.merge)
     }
 }
 
@@ -146,11 +297,47 @@ impl Setting for OpeningSource {
 /// Reads the translator's file from a text; `file` is the name that complaints use.
 pub fn read_translator(text: &str, file: &str) -> Result<Loaded<Translator>, ConfigErrors> {
     let mut reading = Reading::new(text, file, &schema_of::<Translator>("translator"))?;
-    for field in ["name", "tool"] {
-        let names = texts(reading.value(), "device", field);
-        unique(&mut reading, &KeyPath::root(), &names, "device", field);
+    let root = KeyPath::root();
+    for (list, field) in [
+        ("device", "name"),
+        ("device", "tool"),
+        ("box", "device"),
+        ("markers", "device"),
+        ("clutch", "device"),
+        ("filter", "device"),
+    ] {
+        let names = texts(reading.value(), list, field);
+        unique(&mut reading, &root, &names, list, field);
     }
+    check_markers(&mut reading);
     reading.finish()
+}
+
+/// Each marker is one device, of one instrument, and they determine a pose.
+fn check_markers(reading: &mut Reading) {
+    let root = KeyPath::root();
+    let mut names: Vec<String> = Vec::new();
+    let mut complaints = Vec::new();
+    for (tool, entry) in items(reading.value(), "markers") {
+        let key = root.key("markers").at(tool);
+        for (marker, name) in texts(entry, "marker", "name") {
+            let key = key.key("marker").at(marker).key("name");
+            if names.contains(&name) {
+                let found = format!("`{name}` a second time");
+                complaints.push((key, found, "each device as one marker".to_owned()));
+            }
+            names.push(name);
+        }
+        if let Ok(tool) = serde_json::from_value::<MarkerTool>(entry.clone())
+            && let Err(problem) = tool.model()
+        {
+            let expected = "three to eight markers that do not lie on a line".to_owned();
+            complaints.push((key.key("marker"), problem.to_string(), expected));
+        }
+    }
+    for (key, found, expected) in complaints {
+        reading.complain(&key, &found, &expected);
+    }
 }
 
 /// Reads the translator's file at `path`.

@@ -2,7 +2,7 @@
 //! synthetic trainees would move them.
 //!
 //! Pure: bytes, values and times in, values out. No files, no clocks, no sockets; the settings that it needs come in as
-//! plain structs from whoever reads the configuration. Filters, calibration and markers are not here.
+//! plain structs from whoever reads the configuration.
 //!
 //! # Frames and units
 //! Lengths are in metres, times in seconds, orientations unit quaternions in the order x, y, z, w. A quaternion `a_from_b`
@@ -17,23 +17,37 @@
 
 #![forbid(unsafe_code)]
 
+mod calibration;
 mod csv_recording;
+mod filter;
+mod markers;
+mod random;
+mod rigid;
 mod rotation;
 mod script;
 mod statistics;
 mod trainee;
 mod translator;
 
+pub use calibration::{
+    Dwell, LEAST_POSES, LEAST_SPREAD, LEAST_WIDTH, Pair, Pivot, PivotError, Registration,
+    RegistrationError, dwells, pivot, register,
+};
 pub use csv_recording::{
     Column, ColumnMap, CsvError, CsvProblem, DeviceColumns, MAX_SAMPLES, OpeningColumn, Recording,
     read_csv,
 };
+pub use filter::{Filtered, OneEuro};
+pub use markers::{
+    FEWEST_MARKERS, MOST_MARKERS, MarkedInstrument, Marker, MarkerFit, MarkerLoss, MarkerModel,
+    MarkerPoint, MarkerProblem,
+};
 pub use microsim_vocabulary::{Interpolation, ToolStatus};
-pub use rotation::{NORM_TOLERANCE, QuaternionError};
+pub use rotation::{NORM_TOLERANCE, QuaternionError, fixed_unit};
 pub use script::{Keyframe, Script, ScriptError, ScriptProblem, ScriptTrack};
 pub use statistics::{DEFAULT_GAP_INTERVALS, RawStatistics, distance};
 pub use trainee::{Profile, Trainee};
 pub use translator::{
-    Excess, HandLimits, Mapping, MappingProblem, Opening, Refusal, SampleFault, StateMismatch,
-    TrackedTool, Translator, TranslatorError, TranslatorState,
+    Clutch, Excess, HandLimits, Mapping, MappingProblem, MotionState, Opening, Refusal,
+    SampleFault, StateMismatch, TrackedTool, Translator, TranslatorError, TranslatorState,
 };

@@ -50,6 +50,23 @@ pub(crate) fn checked_unit(quaternion: [f64; 4]) -> Result<[f64; 4], QuaternionE
     Ok(quaternion.map(|component| component / norm))
 }
 
+/// The quaternion that comes back from being checked and scaled to norm 1 as it is: where scaling changes its last bits, those that further scaling leaves.
+///
+/// # Errors
+/// If it is none within [`NORM_TOLERANCE`].
+pub fn fixed_unit(quaternion: [f64; 4]) -> Result<[f64; 4], QuaternionError> {
+    const MOST: usize = 8;
+    let mut scaled = checked_unit(quaternion)?;
+    for _ in 0..MOST {
+        let again = checked_unit(scaled)?;
+        if again == scaled {
+            break;
+        }
+        scaled = again;
+    }
+    Ok(scaled)
+}
+
 /// `a_from_c` of `a_from_b` and `b_from_c`.
 pub(crate) fn product(a_from_b: [f64; 4], b_from_c: [f64; 4]) -> [f64; 4] {
     (unit(a_from_b) * unit(b_from_c)).coords.into()

@@ -1,11 +1,13 @@
 //! One connection: which samples come of a message, and what is answered. Knows no socket and no clock.
 
 use microsim_igtl::{
-    Message, NotRigid, Pose, Received, Start, Status, Stream, Timestamp, Tracked, encode,
+    Matrix, Message, NotRigid, Pose, Position, Received, Start, Status, Stream, Timestamp, Tracked,
+    encode,
 };
 use microsim_sdk::message::{self, InputSample};
-use microsim_settings::{LinkRole, OpenIgtLink, TrackedStream};
-use std::collections::BTreeSet;
+use microsim_settings::{LinkClock, LinkRole, OpenIgtLink, TrackedStream};
+use nalgebra::Vector3;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Types of messages that this program understands, for CAPABILITY.
 const TYPES: [&str; 7] = [
@@ -21,6 +23,31 @@ const TYPES: [&str; 7] = [
 const DEVICE: &str = "MicroSim";
 /// Code of a STATUS without a fault.
 const GOOD: u16 = 1;
+
+/// A place on the wire: its position, and its pose if it has one.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    position: Result<Vector3<f64>, NotRigid>,
+    pose: Result<Pose, NotRigid>,
+}
+
+impl From<&Matrix> for Place {
+    fn from(matrix: &Matrix) -> Self {
+        Self {
+            position: matrix.place(),
+            pose: matrix.pose(),
+        }
+    }
+}
+
+impl From<&Position> for Place {
+    fn from(position: &Position) -> Self {
+        Self {
+            position: position.place(),
+            pose: position.pose(),
+        }
+    }
+}
 
 /// What came of a message.
 #[derive(Debug, Default, PartialEq)]
@@ -44,6 +71,10 @@ pub struct Conversation {
     complained: BTreeSet<String>,
     /// Version of the header that the peer has sent; 1 until it has sent any.
     version: u16,
+    /// Openings that came by themselves, by device.
+    openings: BTreeMap<String, f64>,
+    /// Time of the first sample, where times count from it \[ns\].
+    start: Option<u64>,
 }
 
 impl Conversation {
@@ -54,6 +85,8 @@ impl Conversation {
             streamed: BTreeSet::new(),
             complained: BTreeSet::new(),
             version: 1,
+            openings: BTreeMap::new(),
+            start: None,
         }
     }
 
@@ -84,8 +117,6 @@ impl Conversation {
     pub fn receive(&mut self, received: Received, now: f64) -> Arrived {
         let mut arrived = Arrived::default();
         self.version = received.version.clamp(1, 2);
-        let time = received.time.nanoseconds();
-        let time = time.map_or(now, |nanoseconds| nanoseconds as f64 / 1e9);
         let device = &received.device;
         let message = match received.message {
             Ok(Some(message)) => message,
@@ -99,20 +130,29 @@ impl Conversation {
                 return arrived;
             }
         };
+        let stamp = received.time;
         match message {
-            Message::Transform(matrix) => self.place(device, time, matrix.pose(), &mut arrived),
-            Message::Position(place) => self.place(device, time, place.pose(), &mut arrived),
+            Message::Transform(matrix) => {
+                if let Some(time) = self.time(stamp, now, &mut arrived) {
+                    self.place(device, time, Place::from(&matrix), &mut arrived);
+                }
+            }
+            Message::Position(position) => {
+                if let Some(time) = self.time(stamp, now, &mut arrived) {
+                    self.place(device, time, Place::from(&position), &mut arrived);
+                }
+            }
             Message::Matrices(tools) => {
-                let tools = tools
-                    .iter()
-                    .map(|tool| (tool.name.clone(), tool.place.pose()));
-                self.places(tools.collect(), time, &mut arrived);
+                let tools = tools.iter().map(named).collect();
+                if let Some(time) = self.time(stamp, now, &mut arrived) {
+                    self.places(tools, time, &mut arrived);
+                }
             }
             Message::Quaternions(tools) => {
-                let pose = |tool: &Tracked<microsim_igtl::Position>| {
-                    (tool.name.clone(), tool.place.pose())
-                };
-                self.places(tools.iter().map(pose).collect(), time, &mut arrived);
+                let tools = tools.iter().map(named).collect();
+                if let Some(time) = self.time(stamp, now, &mut arrived) {
+                    self.places(tools, time, &mut arrived);
+                }
             }
             Message::Started(_, true) | Message::Stop(_) | Message::Capability(_) => {}
             Message::Started(..) => {
@@ -139,6 +179,31 @@ impl Conversation {
         arrived
     }
 
+    /// When a sample was measured \[s\]: by the sender's clock, or when it arrived where the sender states none. Where the sender's clock decides, from its first
+    /// sample on; one without a time is none.
+    fn time(&mut self, stamp: Timestamp, now: f64, arrived: &mut Arrived) -> Option<f64> {
+        let seconds = |nanoseconds: u64| nanoseconds as f64 / 1e9;
+        match (self.config.clock, stamp.nanoseconds()) {
+            (LinkClock::Arrival, None) => Some(now),
+            (LinkClock::Arrival, Some(nanoseconds)) => Some(seconds(nanoseconds)),
+            (LinkClock::Device, Some(nanoseconds)) => {
+                let start = *self.start.get_or_insert(nanoseconds);
+                let since = nanoseconds.checked_sub(start);
+                if since.is_none() {
+                    let note = "a sample from before the first one is left out".to_owned();
+                    self.complain(true, note, arrived);
+                }
+                since.map(seconds)
+            }
+            (LinkClock::Device, None) => {
+                let note =
+                    "samples without a time are left out, as `clock` is \"device\"".to_owned();
+                self.complain(true, note, arrived);
+                None
+            }
+        }
+    }
+
     /// The samples of a connection that has ended: no tool of it is seen any more.
     pub fn lost(&mut self, now: f64) -> Vec<InputSample> {
         self.streamed.clear();
@@ -148,18 +213,20 @@ impl Conversation {
     }
 
     /// All tools of a stream; those that it had and has no more are not seen.
-    fn places(
-        &mut self,
-        tools: Vec<(String, Result<Pose, NotRigid>)>,
-        time: f64,
-        arrived: &mut Arrived,
-    ) {
+    fn places(&mut self, tools: Vec<(String, Place)>, time: f64, arrived: &mut Arrived) {
         let mut missing = std::mem::take(&mut self.streamed);
-        for (name, pose) in tools {
+        // Openings first: they are of the tools of the same message.
+        let (openings, tools): (Vec<_>, Vec<_>) = tools
+            .into_iter()
+            .partition(|(name, _)| self.config.opening(name).is_some());
+        for (name, place) in openings {
+            self.place(&name, time, place, arrived);
+        }
+        for (name, place) in tools {
             let device = self.config.device(&name).to_owned();
             missing.remove(&device);
             self.streamed.insert(device);
-            self.place(&name, time, pose, arrived);
+            self.place(&name, time, place, arrived);
         }
         for device in &missing {
             arrived.samples.push(InputSample::not_visible(device, time));
@@ -167,24 +234,36 @@ impl Conversation {
         self.streamed.append(&mut missing);
     }
 
-    fn place(
-        &mut self,
-        name: &str,
-        time: f64,
-        pose: Result<Pose, NotRigid>,
-        arrived: &mut Arrived,
-    ) {
+    fn place(&mut self, name: &str, time: f64, place: Place, arrived: &mut Arrived) {
+        if let Some((device, opening)) = self.config.opening(name) {
+            match place.position {
+                Ok(position) => {
+                    let opening = opening.opening(position.x);
+                    self.openings.insert(device.to_owned(), opening);
+                }
+                Err(error) => self.complain(true, format!("{name}: {error}"), arrived),
+            }
+            return;
+        }
         let device = self.config.device(name).to_owned();
+        // Of a marker the position counts, whatever its orientation is.
+        let pose = match self.config.is_marker(&device) {
+            true => place.position.map(|position| message::Pose {
+                position: position.into(),
+                ..message::Pose::default()
+            }),
+            false => place.pose.map(|pose| message::Pose {
+                position: pose.position.into(),
+                orientation: pose.orientation.coords.into(),
+            }),
+        };
         let sample = match pose {
             Ok(pose) => InputSample {
                 device: device.clone(),
                 device_time: time,
                 visible: true,
-                pose: message::Pose {
-                    position: pose.position.into(),
-                    orientation: pose.orientation.coords.into(),
-                },
-                opening: None,
+                pose,
+                opening: self.openings.get(&device).copied(),
             },
             Err(error) => {
                 self.complain(true, format!("{name}: {error}"), arrived);
@@ -220,6 +299,14 @@ impl Conversation {
             arrived.notes.push((is_warning, note));
         }
     }
+}
+
+/// A tool of a list with its place.
+fn named<T>(tool: &Tracked<T>) -> (String, Place)
+where
+    for<'a> Place: From<&'a T>,
+{
+    (tool.name.clone(), Place::from(&tool.place))
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Trackers that speak OpenIGTLink as an input source. Threads of its own wait for bytes (module `link`); what comes is turned into samples (module `conversation`), which
 //! the next tick publishes. The codec is the crate `igtl`.
 //!
+//! With `clock = "device"` the peer's clock decides in which tick a sample counts (module `paced`): the same motion then gives the same run, however long its bytes take.
+//!
 //! A sample has the tracker's time, or that of its arrival where the tracker sends none; the tick in which it is published is recorded with it. What comes live cannot be taken up again from a
 //! checkpoint; a recorded session replays without this plugin.
 
@@ -8,15 +10,32 @@
 
 mod conversation;
 mod link;
+mod paced;
 
-use link::Link;
+use link::{Link, Queue};
+use microsim_sdk::message::InputTiming;
 use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
-use microsim_settings::OpenIgtLink;
+use microsim_settings::{LinkClock, OpenIgtLink};
+use paced::Paced;
+use std::time::Instant;
 
 /// Samples of trackers.
 #[derive(Debug, Default)]
 pub struct TrackerSource {
     link: Option<Link>,
+    /// Where the clock of the peer decides.
+    paced: Option<Paced>,
+}
+
+/// Hands notes to the log.
+fn log(tick: &mut Tick<'_>, queue: &mut Queue) {
+    for (is_warning, note) in queue.notes.drain(..) {
+        let level = match is_warning {
+            true => LogLevel::Warn,
+            false => LogLevel::Info,
+        };
+        tick.log(level, note);
+    }
 }
 
 impl Plugin for TrackerSource {
@@ -26,6 +45,8 @@ impl Plugin for TrackerSource {
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         let config: OpenIgtLink = setup.configuration()?;
+        let silence = config.silence;
+        self.paced = (config.clock == LinkClock::Device).then(|| Paced::new(&setup.name, silence));
         self.link = Some(Link::open(config).map_err(Fault::new)?);
         Ok(())
     }
@@ -34,6 +55,9 @@ impl Plugin for TrackerSource {
         if let Some(link) = &self.link {
             link.take();
         }
+        if let Some(paced) = &mut self.paced {
+            paced.reset();
+        }
         Ok(())
     }
 
@@ -41,15 +65,20 @@ impl Plugin for TrackerSource {
         let Some(link) = &self.link else {
             return Err(Fault::new("not initialised"));
         };
-        let arrived = link.take();
-        for (is_warning, note) in arrived.notes {
-            let level = match is_warning {
-                true => LogLevel::Warn,
-                false => LogLevel::Info,
-            };
-            tick.log(level, note);
+        if let Some(paced) = &mut self.paced {
+            return paced.process(link, tick);
         }
-        for sample in &arrived.samples {
+        let mut arrived = link.take();
+        log(tick, &mut arrived);
+        if !arrived.samples.is_empty() || arrived.dropped > 0 {
+            let now = Instant::now();
+            let wait = |at: &Instant| now.saturating_duration_since(*at).as_secs_f64();
+            tick.publish(&InputTiming {
+                waits: arrived.samples.iter().map(|(at, _)| wait(at)).collect(),
+                dropped: arrived.dropped,
+            });
+        }
+        for (_, sample) in &arrived.samples {
             tick.publish(sample);
         }
         Ok(())

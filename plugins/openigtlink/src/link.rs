@@ -3,7 +3,7 @@
 use crate::conversation::Conversation;
 use microsim_igtl::Decoder;
 use microsim_sdk::message::InputSample;
-use microsim_settings::{LinkRole, OpenIgtLink};
+use microsim_settings::{LinkClock, LinkRole, OpenIgtLink};
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream, ToSocketAddrs};
@@ -26,21 +26,26 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// What has come since the last time.
 #[derive(Debug, Default)]
 pub struct Queue {
-    pub samples: VecDeque<InputSample>,
+    /// Each with when it arrived.
+    pub samples: VecDeque<(Instant, InputSample)>,
     /// For the operator; whether each is a warning.
     pub notes: Vec<(bool, String)>,
     /// Samples that found no place.
-    dropped: usize,
+    pub dropped: u64,
+    /// Whether a connection on which samples came has ended.
+    pub ended: bool,
 }
 
 impl Queue {
-    fn add(&mut self, samples: impl IntoIterator<Item = InputSample>) {
+    /// Adds samples; of more than there is place for the oldest are dropped, unless all are waited for.
+    fn add(&mut self, samples: impl IntoIterator<Item = InputSample>, drops: bool) {
+        let now = Instant::now();
         for sample in samples {
-            if self.samples.len() == MOST_SAMPLES {
+            if drops && self.samples.len() == MOST_SAMPLES {
                 self.samples.pop_front();
                 self.dropped += 1;
             }
-            self.samples.push_back(sample);
+            self.samples.push_back((now, sample));
         }
     }
 
@@ -69,6 +74,11 @@ impl Shared {
 
     fn is_stopped(&self) -> bool {
         self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// Whether samples are dropped where they come faster than ticks take them. Those of a peer whose clock decides are not: it has to wait.
+    fn drops(&self) -> bool {
+        self.config.clock == LinkClock::Arrival
     }
 
     fn wait(&self, seconds: f64) {
@@ -117,6 +127,8 @@ impl Link {
     /// What has come since the last time.
     pub fn take(&self) -> Queue {
         let mut queue = std::mem::take(&mut *self.shared.queue());
+        // A connection that has ended stays so.
+        self.shared.queue().ended = queue.ended;
         if queue.dropped > 0 {
             let dropped = queue.dropped;
             queue.note(
@@ -146,6 +158,9 @@ fn connect(shared: &Shared) {
                     .queue()
                     .note(false, format!("connected to {address}"));
                 talk(shared, stream, address);
+                if shared.queue().ended {
+                    return;
+                }
             }
             // The same once.
             Err(error) if error != last => {
@@ -211,10 +226,22 @@ fn serve(shared: &Arc<Shared>, listener: &TcpListener) {
 fn talk(shared: &Shared, mut stream: TcpStream, peer: &str) {
     let mut conversation = Conversation::new(shared.config.clone());
     let end = receive(shared, &mut stream, &mut conversation);
+    let lost = conversation.lost(now());
     let mut queue = shared.queue();
-    queue.add(conversation.lost(now()));
-    if let Err(why) = end {
-        queue.note(true, format!("{peer}: {why}"));
+    match shared.drops() {
+        true => {
+            queue.add(lost, true);
+            if let Err(why) = end {
+                queue.note(true, format!("{peer}: {why}"));
+            }
+        }
+        // The motion is over; nothing of it was lost.
+        false => {
+            queue.ended |= !lost.is_empty();
+            if let Err(why) = end {
+                queue.note(false, format!("{peer}: {why}"));
+            }
+        }
     }
 }
 
@@ -237,6 +264,11 @@ fn receive(
     let mut bytes = vec![0; 1 << 16];
     let mut last = Instant::now();
     while !shared.is_stopped() {
+        if !shared.drops() && shared.queue().samples.len() >= MOST_SAMPLES {
+            std::thread::sleep(Duration::from_millis(1));
+            last = Instant::now();
+            continue;
+        }
         let count = match stream.read(&mut bytes) {
             Ok(0) => return Err("the connection was closed".to_owned()),
             Ok(count) => count,
@@ -256,7 +288,7 @@ fn receive(
                 stream.write_all(answer).map_err(failed)?;
             }
             let mut queue = shared.queue();
-            queue.add(arrived.samples);
+            queue.add(arrived.samples, shared.drops());
             for (is_warning, note) in arrived.notes {
                 queue.note(is_warning, note);
             }

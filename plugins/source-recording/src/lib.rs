@@ -28,7 +28,7 @@ fn column_map(map: &RecordingMap) -> Result<ColumnMap, Fault> {
             device: device.name.clone(),
             position: device.position.clone(),
             position_factor: factor(Unit::Length, &device.position_unit)?,
-            orientation: Some(device.quaternion.clone()),
+            orientation: device.quaternion.clone(),
             opening: device.opening.as_ref().map(|opening| OpeningColumn {
                 name: opening.column.clone(),
                 closed: opening.closed,

@@ -11,7 +11,8 @@ use microsim_sdk::message::{
 use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{DeviceMap, ToolSlot, TranslatorConfig};
 use microsim_tracking::{
-    Excess, Mapping, Opening, Refusal, SampleFault, TrackedTool, Translator, TranslatorState,
+    Clutch, Excess, Mapping, MarkedInstrument, MotionState, Opening, Refusal, SampleFault,
+    TrackedTool, Translator, TranslatorState,
 };
 use std::collections::BTreeSet;
 
@@ -23,10 +24,11 @@ pub struct TranslatorPlugin {
     /// Devices that drive no tool and were complained about.
     idle_devices: BTreeSet<String>,
     devices: BTreeSet<String>,
+    instruments: Vec<MarkedInstrument>,
 }
 
-fn mapping(device: &DeviceMap) -> Mapping {
-    Mapping {
+fn mapping(config: &TranslatorConfig, device: &DeviceMap) -> Mapping {
+    let mapping = Mapping {
         tool: device.tool.clone(),
         device: device.name.clone(),
         device_origin: device.origin,
@@ -34,10 +36,15 @@ fn mapping(device: &DeviceMap) -> Mapping {
         field_from_device: device.rotation,
         scale: device.scale,
         body_from_tool: device.tool_rotation,
+        tip: config.tip(&device.name).map_or([0.0; 3], |tip| tip.tip),
         opening: device
             .opening
             .fixed()
             .map_or(Opening::DEVICE, Opening::Constant),
+    };
+    match config.workspace(&device.name) {
+        None => mapping,
+        Some(space) => mapping.registered(space.rotation, space.translation, space.scale),
     }
 }
 
@@ -61,7 +68,9 @@ impl TranslatorPlugin {
 
     fn handle(&mut self, message: InputSample, tick: &mut Tick<'_>) -> Result<(), Fault> {
         let now = tick.time();
-        if !self.devices.contains(&message.device) {
+        let is_clutch = |translator: &Translator| translator.is_clutch(&message.device);
+        let is_clutch = self.translator.as_ref().is_some_and(is_clutch);
+        if !is_clutch && !self.devices.contains(&message.device) {
             if self.idle_devices.insert(message.device.clone()) {
                 let device = &message.device;
                 tick.log(LogLevel::Warn, format!(
@@ -120,9 +129,29 @@ impl Plugin for TranslatorPlugin {
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         let config: TranslatorConfig = setup.configuration()?;
-        let mappings = config.devices.iter().map(mapping).collect();
-        let translator = Translator::new(mappings, config.stale_after, config.hand.limits());
+        let mappings = config.devices.iter().map(|device| mapping(&config, device));
+        let limits = config.hand.limits();
+        let translator = Translator::new(mappings.collect(), config.stale_after, limits);
+        let filters = config.filters.iter();
+        let filters = filters.map(|f| (f.device.clone(), f.parameters.one_euro()));
+        let clutches = config.clutches.iter().map(|clutch| Clutch {
+            device: clutch.device.clone(),
+            tools: clutch.tool.clone(),
+        });
+        // A tool without a device has no clutch.
+        let driven = |tool: &String| config.devices.iter().any(|device| device.tool == *tool);
+        let clutches = clutches.map(|clutch| Clutch {
+            tools: clutch.tools.into_iter().filter(driven).collect(),
+            ..clutch
+        });
+        let (filters, clutches) = (filters.collect(), clutches.collect());
+        let translator = translator.and_then(|made| made.with_motion(filters, clutches));
         self.translator = Some(translator.map_err(|error| Fault::new(error.to_string()))?);
+        let instruments = config.markers.iter().map(|tool| {
+            let made = tool.instrument();
+            made.map_err(|e| Fault::new(format!("markers of \"{}\": {e}", tool.device)))
+        });
+        self.instruments = instruments.collect::<Result<_, Fault>>()?;
         self.devices = config.devices.iter().map(|d| d.name.clone()).collect();
         self.tools = config.tools;
         Ok(())
@@ -135,27 +164,60 @@ impl Plugin for TranslatorPlugin {
     }
 
     fn process(&mut self, tick: &mut Tick<'_>) -> Result<(), Fault> {
+        let mut complete = Vec::new();
         for message in tick.messages::<InputSample>()? {
-            self.handle(message, tick)?;
+            let mut instruments = self.instruments.iter_mut();
+            if !instruments.any(|instrument| instrument.add(&message, &mut complete)) {
+                self.handle(message, tick)?;
+            }
+        }
+        let rest = self
+            .instruments
+            .iter_mut()
+            .filter_map(MarkedInstrument::finish);
+        complete.extend(rest);
+        for (sample, tracking) in complete {
+            tick.publish(&tracking);
+            self.handle(sample, tick)?;
         }
         let states = self.states(tick.time())?;
         tick.publish(&states);
         Ok(())
     }
 
+    /// Without filters and clutches the state is that of a translator that knows of none.
     fn save(&self) -> Vec<u8> {
-        encode(&(
-            self.translator.as_ref().map(Translator::state),
-            &self.idle_devices,
-        ))
+        let translator = self.translator.as_ref();
+        let state = translator.map(Translator::state);
+        match translator.and_then(Translator::motion_state) {
+            None => encode(&(state, &self.idle_devices)),
+            Some(motion) => encode(&(state, &self.idle_devices, motion)),
+        }
     }
 
-    fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
-        let (state, idle) = decode_bytes::<(Option<TranslatorState>, _)>(state)?;
+    fn restore(&mut self, saved: &[u8]) -> Result<(), Fault> {
+        let has_motion = self.translator()?.motion_state().is_some();
+        let (state, idle, motion): (Option<TranslatorState>, _, Option<MotionState>) =
+            match has_motion {
+                false => {
+                    let (state, idle) = decode_bytes(saved)?;
+                    (state, idle, None)
+                }
+                true => {
+                    let (state, idle, motion) = decode_bytes(saved)?;
+                    (state, idle, Some(motion))
+                }
+            };
         self.idle_devices = idle;
+        let translator = self.translator()?;
         if let Some(state) = state {
-            let restored = self.translator()?.restore(state);
+            let restored = translator.restore(state);
             restored.map_err(|error| Fault::new(error.to_string()))?;
+        }
+        if let Some(motion) = motion
+            && !translator.restore_motion(motion)
+        {
+            return Err(Fault::new("the saved state has other filters or clutches"));
         }
         Ok(())
     }

@@ -28,6 +28,8 @@ pub fn input(out: &mut String, report: &Report) {
     if !report.presence.is_empty() {
         presence(out, report);
     }
+    arrivals(out, report);
+    markers(out, report);
     implausible(out, report);
     out.push_str("</section>\n");
 }
@@ -127,6 +129,99 @@ fn presence(out: &mut String, report: &Report) {
         out.push_str("</span></div>\n");
     }
     out.push_str("</div>\n");
+}
+
+/// How samples of live trackers came.
+fn arrivals(out: &mut String, report: &Report) {
+    let Some(arrivals) = &report.arrivals else {
+        return;
+    };
+    let _ = write!(
+        out,
+        "<h3>{}</h3>\n<table>\n<thead><tr><th>{}</th><th class=\"n\">p50</th><th class=\"n\">p99</th></tr></thead>\n<tbody>\n",
+        bilingual("Verzögerung", "Delay"),
+        bilingual("Abschnitt", "Stage")
+    );
+    let stages = [
+        (
+            "vom Eintreffen bis zum Takt",
+            "from arrival to the tick",
+            arrivals.wait,
+        ),
+        (
+            "vom Takt bis zu seinem Abbild",
+            "from the tick to its snapshot",
+            arrivals.tick,
+        ),
+    ];
+    for (de, en, spread) in stages {
+        let Some(spread) = spread else {
+            continue;
+        };
+        let cell = |time: f64| spans(&shown(1e3 * time, "ms"));
+        let _ = writeln!(
+            out,
+            "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>",
+            bilingual(de, en),
+            cell(spread.p50),
+            cell(spread.p99)
+        );
+    }
+    let (samples, dropped, late) = (arrivals.samples, arrivals.dropped, arrivals.late);
+    let _ = writeln!(
+        out,
+        "</tbody>\n</table>\n<p class=\"note\">{}</p>",
+        bilingual(
+            &format!("{samples} Messwerte; verworfen {dropped}, verspätet {late}."),
+            &format!("{samples} samples; {dropped} dropped, {late} late."),
+        )
+    );
+}
+
+/// What the markers of instruments have shown.
+fn markers(out: &mut String, report: &Report) {
+    if report.markers.is_empty() {
+        return;
+    }
+    let _ = write!(
+        out,
+        "<h3>{}</h3>\n<table>\n<thead><tr>",
+        bilingual("Marker", "Markers")
+    );
+    for (k, (de, en)) in [
+        ("Gerät", "Device"),
+        ("Bilder", "Frames"),
+        ("Mit Pose", "With a pose"),
+        ("Residuum", "Residual"),
+        ("Fehlend", "Missing"),
+        ("Verschmolzen", "Merged"),
+        ("Vertauscht", "Permuted"),
+        ("Unbekannt", "Unknown"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let class = if k == 0 { "" } else { " class=\"n\"" };
+        let _ = write!(out, "<th{class}>{}</th>", bilingual(de, en));
+    }
+    out.push_str("</tr></thead>\n<tbody>\n");
+    for record in &report.markers {
+        let _ = write!(out, "<tr><td><b>{}</b></td>", escape(&record.device));
+        let count = |n: u64| spans(&fixed(n as f64, 0));
+        for cell in [
+            count(record.frames),
+            count(record.poses),
+            spans(&shown(1e3 * record.residual, "mm")),
+            count(record.missing),
+            count(record.merged),
+            count(record.permuted),
+            count(record.unknown),
+        ] {
+            let _ = write!(out, "<td class=\"n\">{cell}</td>");
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</tbody>\n</table>\n");
 }
 
 /// What was left out as no hand makes it.

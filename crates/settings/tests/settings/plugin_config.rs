@@ -76,7 +76,12 @@ fn configurations_cross_unchanged() {
     assert_eq!(crossed(&RecordingConfig::Samples), RecordingConfig::Samples);
     let translator = read_translator(example("translator"), "translator.toml");
     let translator = translator.expect("the example is right").settings;
-    assert_crosses(&TranslatorConfig::new(&translator, None, &level.tool));
+    assert_crosses(&TranslatorConfig::new(
+        &translator,
+        &Calibration::default(),
+        None,
+        &level.tool,
+    ));
     assert_crosses(&RecorderConfig {
         path: "runs/a.session".into(),
     });
@@ -94,7 +99,8 @@ fn devices_drive_the_tools_that_the_file_says_or_those_of_their_own_names() {
         model: "probe".into(),
     };
     let driven = |devices: Option<&[String]>| {
-        let config = TranslatorConfig::new(&translator, devices, &[slot("left"), slot("right")]);
+        let slots = [slot("left"), slot("right")];
+        let config = TranslatorConfig::new(&translator, &Calibration::default(), devices, &slots);
         let pairs = config.devices.into_iter().map(|map| (map.name, map.tool));
         pairs.collect::<Vec<_>>()
     };
@@ -106,4 +112,102 @@ fn devices_drive_the_tools_that_the_file_says_or_those_of_their_own_names() {
         driven(None),
         [pair("stylus", "left"), pair("right", "right")]
     );
+}
+
+/// What is not configured is not in the value that decides the state hash; what is, is, and only as far as the level has tools for it.
+#[test]
+fn only_what_is_configured_crosses() {
+    let slot = |name: &str| ToolSlot {
+        name: name.into(),
+        model: "probe".into(),
+    };
+    let slots = [slot("left"), slot("right")];
+    let config = |text: &str, devices: Option<&[String]>| {
+        let translator = read_translator(text, "translator.toml");
+        let translator = translator.expect("a right file").settings;
+        TranslatorConfig::new(&translator, &Calibration::default(), devices, &slots)
+    };
+    let value = serde_json::to_value(config("", None)).expect("plain data");
+    let keys: Vec<&String> = value.as_object().expect("a table").keys().collect();
+    assert_eq!(keys, ["devices", "hand", "stale_after", "tools"]);
+
+    // The other hand: devices change places, known beforehand or not.
+    let devices = ["left", "right"].map(String::from);
+    for known in [None, Some(&devices[..])] {
+        let config = config("dominant = \"left\"", known);
+        let mut pairs: Vec<_> = config
+            .devices
+            .iter()
+            .map(|d| (&d.name[..], &d.tool[..]))
+            .collect();
+        pairs.sort_unstable();
+        assert_eq!(pairs, [("left", "right"), ("right", "left")]);
+    }
+
+    // By hand: 38 mm of the field over 420 mm of the box.
+    let boxed = config(
+        "[[box]]\ndevice = \"left\"\ncentre = [0.1, 0.2, 0.3]\n",
+        None,
+    );
+    let left = boxed
+        .devices
+        .iter()
+        .find(|device| device.name == "left")
+        .expect("a device");
+    assert_eq!((left.scale, left.origin), (0.038 / 0.42, [0.1, 0.2, 0.3]));
+    let other = boxed
+        .devices
+        .iter()
+        .find(|device| device.name == "right")
+        .expect("a device");
+    assert_eq!((other.scale, other.origin), (1.0, [0.0; 3]));
+
+    let text = "[[clutch]]\ndevice = \"pedal\"\ntool = [\"left\", \"third\"]\n[[filter]]\ndevice = \"right\"\n[[filter]]\ndevice = \"third\"\n";
+    let config = config(text, None);
+    assert_eq!(config.clutches[0].tool, ["left"]);
+    let filtered: Vec<_> = config
+        .filters
+        .iter()
+        .map(|filter| &filter.device[..])
+        .collect();
+    assert_eq!(filtered, ["right"]);
+    assert_eq!(config.filters[0].parameters.predict, 0.0);
+}
+
+/// Markers are devices of a source, and what they make up drives the tool; a marker in two instruments, or markers on a line, are refused with their line.
+#[test]
+fn markers_make_up_a_device() {
+    let marker =
+        |name: &str, at: &str| format!("[[markers.marker]]\nname = \"{name}\"\nat = {at}\n");
+    let tool = |last: &str| {
+        let markers = [
+            marker("a", "[0, 0, 0]"),
+            marker("b", "[0.03, 0, 0]"),
+            marker("c", last),
+        ];
+        format!("[[markers]]\ndevice = \"left\"\n{}", markers.concat())
+    };
+    let text = tool("[0, 0.05, 0]");
+    let translator = read_translator(&text, "translator.toml")
+        .expect("a right file")
+        .settings;
+    let slots = [ToolSlot {
+        name: "left".into(),
+        model: "probe".into(),
+    }];
+    let devices = ["a", "b", "c"].map(String::from);
+    let config =
+        TranslatorConfig::new(&translator, &Calibration::default(), Some(&devices), &slots);
+    assert_eq!(config.devices.len(), 1);
+    assert_eq!(
+        (&config.devices[0].name[..], config.markers.len()),
+        ("left", 1)
+    );
+    let line = read_translator(&tool("[0.06, 0, 0]"), "t")
+        .expect_err("a line")
+        .to_string();
+    assert!(line.contains("lie on a line"), "{line}");
+    let twice = text.clone() + &text.replace("device = \"left\"", "device = \"right\"");
+    let twice = read_translator(&twice, "t").expect_err("twice").to_string();
+    assert!(twice.contains("`a` a second time"), "{twice}");
 }

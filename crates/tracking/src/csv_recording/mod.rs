@@ -54,7 +54,7 @@ pub struct DeviceColumns {
     /// The column of the opening, if the device has one.
     pub opening: Option<OpeningColumn>,
     /// The column with 1 or true, 0 or false for visible or not; `None` if there is none. Where it states that the
-    /// device was not visible, its other fields are not looked at.
+    /// device was not visible, its other fields are not looked at; where it is empty, the row has no sample of the device.
     pub visible: Option<String>,
 }
 
@@ -240,19 +240,23 @@ impl Layout {
             });
         }
         for device in &self.devices {
-            samples.push(device.sample(record, time_s)?);
+            samples.extend(device.sample(record, time_s)?);
         }
         Ok(time_s)
     }
 }
 
 impl DeviceLayout {
-    fn sample(&self, record: &ByteRecord, time_s: f64) -> Result<InputSample, CsvProblem> {
+    /// The sample of the device, if the row has one.
+    fn sample(&self, record: &ByteRecord, time_s: f64) -> Result<Option<InputSample>, CsvProblem> {
         let mut sample = InputSample::not_visible(&self.device, time_s);
-        if let Some(visible) = &self.visible
-            && !visible.flag(record)?
-        {
-            return Ok(sample);
+        if let Some(visible) = &self.visible {
+            if visible.text(record).is_empty() {
+                return Ok(None);
+            }
+            if !visible.flag(record)? {
+                return Ok(Some(sample));
+            }
         }
         match self
             .position
@@ -261,7 +265,7 @@ impl DeviceLayout {
             .count()
         {
             0 => {}
-            3 => return Ok(sample),
+            3 => return Ok(Some(sample)),
             _ => {
                 return Err(CsvProblem::PartialPosition {
                     device: self.device.clone(),
@@ -289,7 +293,7 @@ impl DeviceLayout {
             let opening = (field.number(record)? - closed) / (open - closed);
             sample.opening = Some(opening.clamp(0.0, 1.0));
         }
-        Ok(sample)
+        Ok(Some(sample))
     }
 }
 

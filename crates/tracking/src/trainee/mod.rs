@@ -12,13 +12,12 @@
 //! - It ends beside its end, and turned about the tip, by normal errors, which stay until the next movement.
 //! - Tremor is a sum of sines between 8 and 12 Hz (Riviere 1997: RMS; DOMAIN 1), in real time, along all axes alike.
 
-mod random;
 mod tremor;
 
+use crate::random::Stream;
 use crate::rotation::product;
 use crate::script::{Keyframe, Script, ScriptError, ScriptTrack, minimum_jerk, mix};
 use nalgebra::Vector3;
-use random::Stream;
 use tremor::Tremor;
 
 /// Movements from this length on end with the whole aiming error \[m\].

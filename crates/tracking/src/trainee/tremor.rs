@@ -1,6 +1,6 @@
 //! The tremor of a hand: noise between 8 and 12 Hz, a sum of sines with random frequencies and phases.
 
-use super::random::Stream;
+use crate::random::Stream;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 

@@ -17,6 +17,7 @@
 //! The limits are those of the hand and hold in the device's frame, before any scale.
 
 use super::track::{Point, SHORTEST_INTERVAL_S, Track};
+use crate::filter::angle;
 use crate::statistics::distance;
 use microsim_vocabulary::MotionLimit;
 use nalgebra::Vector3;
@@ -147,15 +148,4 @@ impl fmt::Display for Excess {
             self.bound
         )
     }
-}
-
-/// The angle `[rad]` of the rotation between two unit quaternions, in the form that keeps its digits when it is small.
-fn angle(a: [f64; 4], b: [f64; 4]) -> f64 {
-    let (mut difference, mut sum) = (0.0, 0.0);
-    for axis in 0..4 {
-        difference += (a[axis] - b[axis]) * (a[axis] - b[axis]);
-        sum += (a[axis] + b[axis]) * (a[axis] + b[axis]);
-    }
-    // q and −q are the same orientation.
-    4.0 * libm::atan2(difference.min(sum).sqrt(), difference.max(sum).sqrt())
 }

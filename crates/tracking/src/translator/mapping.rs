@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fmt;
 
 use crate::QuaternionError;
-use crate::rotation::checked_unit;
+use crate::rotation::{checked_unit, product, rotated};
 
 /// How one device drives one tool; see the module for the formula. All numbers are finite.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +23,8 @@ pub struct Mapping {
     pub scale: f64,
     /// How the tool sits in the handle, whose axes the device reports: unit quaternion x, y, z, w.
     pub body_from_tool: [f64; 4],
+    /// The tip in the frame of the handle, whose origin the device reports: the lever `[m]`. Zero where it reports the tip.
+    pub tip: [f64; 3],
     /// Where the tool's opening comes from.
     pub opening: Opening,
 }
@@ -61,7 +63,24 @@ impl Mapping {
             field_from_device: [0.0, 0.0, 0.0, 1.0],
             scale: 1.0,
             body_from_tool: [0.0, 0.0, 0.0, 1.0],
+            tip: [0.0; 3],
             opening: Opening::DEVICE,
+        }
+    }
+}
+
+impl Mapping {
+    /// The same for a device whose frame was registered: its points first become scale · R(rotation) p + translation, and what this mapping states of points of the
+    /// device holds for those.
+    #[must_use]
+    pub fn registered(self, rotation: [f64; 4], translation: [f64; 3], scale: f64) -> Self {
+        let [x, y, z, w] = rotation;
+        let off = std::array::from_fn(|i| self.device_origin[i] - translation[i]);
+        Self {
+            device_origin: rotated([-x, -y, -z, w], off).map(|x| x / scale),
+            field_from_device: product(self.field_from_device, rotation),
+            scale: self.scale * scale,
+            ..self
         }
     }
 }
@@ -73,6 +92,12 @@ pub enum TranslatorError {
     StaleAfter(f64),
     /// The limit of a hand of this name is not a finite positive number, or an error below 0.
     HandLimit(&'static str, f64),
+    /// The number of this name of the filter of a device is out of its range.
+    Filter(String, &'static str, f64),
+    /// A device that is no device of a tool is to be filtered, or a tool that there is not has a clutch.
+    Unknown(String),
+    /// The device of a clutch drives a tool, or is that of another clutch.
+    ClutchDevice(String),
     /// A mapping is wrong.
     Mapping {
         /// The tool of the mapping.
@@ -124,6 +149,7 @@ fn check_one(mapping: &mut Mapping, earlier: &[Mapping]) -> Result<(), MappingPr
     for (name, vector) in [
         ("device_origin", mapping.device_origin),
         ("field_offset", mapping.field_offset),
+        ("tip", mapping.tip),
     ] {
         if !vector.iter().all(|component| component.is_finite()) {
             return Err(MappingProblem::NotFinite(name));
@@ -167,6 +193,17 @@ impl fmt::Display for TranslatorError {
                     "{name} of a hand is {value}, expected a finite positive number"
                 )
             }
+            Self::Filter(device, name, value) => {
+                write!(
+                    f,
+                    "{name} of the filter of device \"{device}\" is {value}, which is out of its range"
+                )
+            }
+            Self::Unknown(name) => write!(f, "\"{name}\" is no device or tool of the mappings"),
+            Self::ClutchDevice(device) => write!(
+                f,
+                "the device \"{device}\" of a clutch drives a tool or another clutch as well"
+            ),
             Self::Mapping { tool, problem } => write!(f, "mapping of tool \"{tool}\": {problem}"),
         }
     }

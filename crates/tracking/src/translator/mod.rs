@@ -4,18 +4,21 @@
 //! how the device frame lies in the field. With p the position and q the orientation of a sample,
 //!
 //! ```text
-//! position in field = field_offset + scale · R(field_from_device) · (p − device_origin)
+//! position in field = field_offset + scale · R(field_from_device) · (p + R(q) · tip − device_origin)
 //! field_from_tool   = field_from_device · q · body_from_tool
 //! ```
 //!
 //! The scale acts on positions alone: a hand that moves 10 mm may move the tip 1 mm, but turns it as far as itself. The
-//! position of a sample is taken as that of the tip; where a tracker follows another point of the instrument, the
-//! lever to the tip has to be applied before.
+//! tip in the frame of the handle is the lever from the point that the tracker follows; without one the position of a sample is that of the tip.
 //!
 //! # Samples that no hand makes
 //! A sample that no hand can have come to from those before it ([`HandLimits`]) is left out: as if it had not arrived, so that the tool stands where it
 //! was last, and for whoever counts motion the tool is lost at its time. One that stands so for as long as makes a tool stale is occluded, and touches nothing.
 //! A jump that lasts is accepted after a time, and the tool is occluded before, so that it does not sweep from one place to the other.
+//!
+//! # Filters and clutches
+//! Samples that count can be filtered for each device ([`OneEuro`](crate::OneEuro)), and a [`Clutch`] holds tips. Neither is there unless it is asked for, and without
+//! them every pose has the same bits.
 //!
 //! # Clocks
 //! Samples carry the time of their device. Whether a tool still receives samples follows from when they *arrive* in the session's
@@ -23,6 +26,7 @@
 
 mod hand;
 mod mapping;
+mod motion;
 mod plausible;
 mod state;
 mod track;
@@ -32,12 +36,15 @@ use std::fmt;
 
 pub use hand::{Excess, HandLimits};
 pub use mapping::{Mapping, MappingProblem, Opening, TranslatorError};
+pub use motion::{Clutch, MotionState};
 pub use state::{StateMismatch, TrackedTool, TranslatorState};
 
 use crate::QuaternionError;
+use crate::filter::OneEuro;
 use crate::rotation::{checked_unit, product, rotated};
 use microsim_message::{InputSample, Pose, ToolPose, ToolSample};
 use microsim_vocabulary::ToolStatus;
+use motion::Motion;
 use track::Point;
 
 /// Turns samples of devices into poses of tools, and remembers the last of each.
@@ -48,7 +55,9 @@ pub struct Translator {
     mappings: Vec<Mapping>,
     stale_after_s: f64,
     hand: HandLimits,
+    motion: Motion,
     state: TranslatorState,
+    motion_state: MotionState,
 }
 
 /// A sample that cannot be used. It has been counted for its tool.
@@ -105,8 +114,24 @@ impl Translator {
             mappings,
             stale_after_s,
             hand,
+            motion: Motion::default(),
             state,
+            motion_state: MotionState::default(),
         })
+    }
+
+    /// The same with filters of devices, and clutches.
+    ///
+    /// # Errors
+    /// [`TranslatorError`] if a number of a filter is out of its range, a name is not one of the mappings', or the device of a clutch drives a tool.
+    pub fn with_motion(
+        mut self,
+        filters: Vec<(String, OneEuro)>,
+        clutches: Vec<Clutch>,
+    ) -> Result<Self, TranslatorError> {
+        self.motion = Motion::new(&self.mappings, filters, clutches)?;
+        self.motion_state = self.motion.start();
+        Ok(self)
     }
 
     /// Takes one sample that has arrived at `now_s` `[s]` of the session; arrivals come in the order of their times.
@@ -122,27 +147,62 @@ impl Translator {
         now_s: f64,
     ) -> Result<Option<ToolSample>, Refusal> {
         let Some(index) = self.driven_by(&sample.device) else {
+            let tools = &self.state.tools;
+            let tip = |tool: usize| Some(tools[tool].pose()?.pose.position);
+            self.motion
+                .press(&mut self.motion_state, &self.mappings, sample, tip);
             return Ok(None);
         };
         let mapping = &self.mappings[index];
         let memory = &mut self.state.tools[index];
+        let (motion, motion_state) = (&self.motion, &mut self.motion_state);
+        let stale_after_s = self.stale_after_s;
         if !sample.visible {
-            memory.arrived(now_s, self.stale_after_s, TrackedTool::lose);
+            memory.arrived(now_s, stale_after_s, TrackedTool::lose);
+            motion.interrupt(motion_state, index);
             return Ok(self.lost(sample));
         }
         let refused = match translate(mapping, sample, memory.opening()) {
             Ok((point, pose)) => {
                 let hand = &self.hand;
-                let left_out = memory.arrived(now_s, self.stale_after_s, |memory| {
-                    memory.see(point, pose, now_s, hand)
+                let left_out = memory.arrived(now_s, stale_after_s, |memory| {
+                    memory.see(point, now_s, hand, || {
+                        let seen = (point.time_s, point.position, point.orientation);
+                        let filtered = motion.filter(motion_state, index, seen, stale_after_s);
+                        let pose = match filtered {
+                            None => pose,
+                            Some((tip, orientation)) => ToolPose {
+                                pose: in_field(mapping, tip, orientation),
+                                ..pose
+                            },
+                        };
+                        let at = motion.place(motion_state, mapping, index, pose.pose.position);
+                        ToolPose {
+                            pose: Pose {
+                                position: at,
+                                ..pose.pose
+                            },
+                            ..pose
+                        }
+                    })
                 });
-                match left_out {
-                    None => return Ok(Some(ToolSample::new(&mapping.tool, true, pose))),
-                    Some(excess) => (SampleFault::Implausible(excess), memory.implausible()),
+                match (left_out, memory.pose()) {
+                    (None, Some(pose)) => {
+                        return Ok(Some(ToolSample::new(&mapping.tool, true, pose)));
+                    }
+                    // A tool that counts has a pose.
+                    (None, None) => return Ok(None),
+                    (Some(excess), _) => {
+                        if !memory.is_seen() {
+                            self.motion.interrupt(&mut self.motion_state, index);
+                        }
+                        (SampleFault::Implausible(excess), memory.implausible())
+                    }
                 }
             }
             Err(fault) => {
-                memory.arrived(now_s, self.stale_after_s, TrackedTool::refuse);
+                memory.arrived(now_s, stale_after_s, TrackedTool::refuse);
+                motion.interrupt(motion_state, index);
                 (fault, memory.refused())
             }
         };
@@ -188,9 +248,28 @@ impl Translator {
         (status, tool.since(now_s, self.stale_after_s))
     }
 
-    /// All that changes while samples arrive, to be saved.
+    /// All that changes while samples arrive, to be saved, but for what filters and clutches remember.
     pub fn state(&self) -> &TranslatorState {
         &self.state
+    }
+
+    /// What filters and clutches remember, to be saved; `None` where there is neither.
+    pub fn motion_state(&self) -> Option<&MotionState> {
+        self.motion.is_any().then_some(&self.motion_state)
+    }
+
+    /// Whether a device holds tips and drives no tool.
+    pub fn is_clutch(&self, device: &str) -> bool {
+        self.motion.has_clutch(device)
+    }
+
+    /// Goes on from what filters and clutches remembered; whether it is of the same filters and clutches, otherwise nothing is changed.
+    pub fn restore_motion(&mut self, state: MotionState) -> bool {
+        let fits = self.motion.fits(&state);
+        if fits {
+            self.motion_state = state;
+        }
+        fits
     }
 
     /// Goes on from a saved state.
@@ -206,6 +285,7 @@ impl Translator {
     /// Forgets all samples, as if new.
     pub fn reset(&mut self) {
         self.state = TranslatorState::new(&self.mappings);
+        self.motion_state = self.motion.start();
     }
 }
 
@@ -222,15 +302,22 @@ fn translate(
     let device_from_body =
         checked_unit(sample.pose.orientation).map_err(SampleFault::Orientation)?;
 
-    let from_origin = std::array::from_fn(|i| sample.pose.position[i] - mapping.device_origin[i]);
-    let turned = rotated(mapping.field_from_device, from_origin);
-    let position: [f64; 3] =
-        std::array::from_fn(|i| mapping.field_offset[i] + mapping.scale * turned[i]);
-    if !position.iter().all(|component| component.is_finite()) {
+    // Without a lever there is no addition, which would change the sign of a zero.
+    let tip = match mapping.tip == [0.0; 3] {
+        true => sample.pose.position,
+        false => {
+            let lever = rotated(device_from_body, mapping.tip);
+            std::array::from_fn(|i| sample.pose.position[i] + lever[i])
+        }
+    };
+    let placed = in_field(mapping, tip, device_from_body);
+    if !placed
+        .position
+        .iter()
+        .all(|component| component.is_finite())
+    {
         return Err(SampleFault::Position);
     }
-
-    let field_from_body = product(mapping.field_from_device, device_from_body);
     let opening = match (mapping.opening, sample.opening) {
         (Opening::Constant(opening), _) => opening,
         (Opening::Device { .. }, None) => opening,
@@ -244,19 +331,27 @@ fn translate(
     };
     let point = Point {
         time_s: sample.device_time,
-        position: sample.pose.position,
+        position: tip,
         orientation: device_from_body,
         opening,
     };
     let pose = ToolPose {
-        pose: Pose {
-            position,
-            orientation: product(field_from_body, mapping.body_from_tool),
-        },
+        pose: placed,
         opening,
         time: sample.device_time,
     };
     Ok((point, pose))
+}
+
+/// The pose in the field of a tool whose tip and handle are there in the frame of the device.
+fn in_field(mapping: &Mapping, tip: [f64; 3], device_from_body: [f64; 4]) -> Pose {
+    let from_origin = std::array::from_fn(|i| tip[i] - mapping.device_origin[i]);
+    let turned = rotated(mapping.field_from_device, from_origin);
+    let field_from_body = product(mapping.field_from_device, device_from_body);
+    Pose {
+        position: std::array::from_fn(|i| mapping.field_offset[i] + mapping.scale * turned[i]),
+        orientation: product(field_from_body, mapping.body_from_tool),
+    }
 }
 
 impl fmt::Display for Refusal {
@@ -280,5 +375,7 @@ impl Error for Refusal {}
 
 #[cfg(test)]
 mod hand_tests;
+#[cfg(test)]
+mod motion_tests;
 #[cfg(test)]
 mod tests;

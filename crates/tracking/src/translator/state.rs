@@ -124,19 +124,19 @@ impl TrackedTool {
         changed
     }
 
-    /// A visible sample: it counts, or by how much it is beyond the limits of a hand.
+    /// A visible sample: it counts, and the tool has the pose of it, or by how much it is beyond the limits of a hand.
     pub(super) fn see(
         &mut self,
         point: Point,
-        pose: ToolPose,
         now_s: f64,
         hand: &HandLimits,
+        pose: impl FnOnce() -> ToolPose,
     ) -> Option<Excess> {
         match self.plausible.assess(point, now_s, hand) {
             Assessment::Counts => {
                 self.seen = true;
                 self.last_valid_s = Some(now_s);
-                self.pose = Some(pose);
+                self.pose = Some(pose());
                 None
             }
             Assessment::LeftOut(excess) => {
@@ -149,6 +149,11 @@ impl TrackedTool {
                 Some(excess)
             }
         }
+    }
+
+    /// Whether it is at its last pose as far as is known.
+    pub(super) fn is_seen(&self) -> bool {
+        self.seen
     }
 
     pub(super) fn lose(&mut self) {

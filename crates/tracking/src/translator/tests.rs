@@ -554,6 +554,20 @@ proptest! {
         prop_assert!(close(once.orientation, twice.orientation, 32.0 * f64::EPSILON));
     }
 
+    /// A registered frame is one mapping before another.
+    #[test]
+    fn a_registration_comes_before_the_mapping(mapping in any_mapping(), frame in any_mapping(), point in any_point(), turn in any_orientation()) {
+        let first = Mapping { device_origin: [0.0; 3], body_from_tool: IDENTITY, ..frame };
+        let middle = pose_of(&first, &sample(0.0, point, turn));
+        let twice = pose_of(&mapping, &sample(0.0, middle.position, middle.orientation));
+        let registered = mapping.clone().registered(first.field_from_device, first.field_offset, first.scale);
+        let once = pose_of(&registered, &sample(0.0, point, turn));
+        // The origin is divided by the scale of the registration, so its rounding is that of lengths of 4 m / scale.
+        let tolerance = mapping.scale * rounding(&first) * (1.0 + 1.0 / first.scale) * (1.0 + first.scale) + rounding(&mapping);
+        prop_assert!(close(once.position, twice.position, tolerance), "{once:?} {twice:?}");
+        prop_assert!(close(once.orientation, twice.orientation, 64.0 * f64::EPSILON));
+    }
+
     /// The orientation is the three rotations one after the other, by their matrices.
     #[test]
     fn orientation_is_the_product_of_its_parts(mapping in any_mapping(), turn in any_orientation(), vector in any_point()) {

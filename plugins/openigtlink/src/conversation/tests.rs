@@ -227,3 +227,76 @@ fn what_a_peer_reports_is_a_note_in_one_line() {
         [(false, "messages of type IMAGE are not used".to_owned())]
     );
 }
+
+/// The protocol has no openings: one comes as the x coordinate of a device of its own, before or in the list of its tool, and is no sample itself.
+#[test]
+fn an_opening_comes_from_a_device_of_its_own() {
+    let text = "[[device]]\nname = \"Left\"\ndevice = \"left\"\nopening = { name = \"Jaws\", closed = \"1 mm\", open = \"5 mm\" }";
+    let mut own = conversation(text);
+    let at = |x: f32| Matrix {
+        translation: [x, 0.0, 0.0],
+        ..STRAIGHT
+    };
+    let list = Message::Matrices(vec![tool("Left", STRAIGHT), tool("Jaws", at(2.0))]);
+    let arrived = receive(&mut own, Timestamp(1 << 32), &list);
+    assert_eq!(seen(&arrived), [("left", 1.0, true)]);
+    // By hand: 2 mm are a quarter between 1 and 5 mm.
+    let opening = arrived.samples[0].opening.expect("an opening");
+    assert!((opening - 0.25).abs() < 1e-12, "{opening}");
+    // It holds until another one comes, and is that of an end beyond it.
+    let alone = Message::Matrices(vec![tool("Left", STRAIGHT)]);
+    let arrived = receive(&mut own, Timestamp(2 << 32), &alone);
+    assert_eq!((seen(&arrived).len(), arrived.samples[0].opening), (1, Some(opening)));
+    let wide = Message::Matrices(vec![tool("Jaws", at(9.0)), tool("Left", STRAIGHT)]);
+    let arrived = receive(&mut own, Timestamp(3 << 32), &wide);
+    assert_eq!((seen(&arrived).len(), arrived.samples[0].opening), (1, Some(1.0)));
+}
+
+/// Of a marker the position counts, with an orientation, without one, or with one that is none.
+#[test]
+fn a_marker_has_a_position_alone() {
+    let text = "marker = [\"left-1\", \"Tracker\"]";
+    let mut own = conversation(text);
+    let alone = Position {
+        position: [1.0, 2.0, 3.0],
+        orientation: None,
+    };
+    let arrived = receive(&mut own, Timestamp(1 << 32), &Message::Position(alone));
+    assert_eq!(seen(&arrived), [("Tracker", 1.0, true)]);
+    assert_eq!(arrived.samples[0].pose.orientation, [0.0, 0.0, 0.0, 1.0]);
+    let broken = Matrix {
+        axes: [[0.0; 3]; 3],
+        ..STRAIGHT
+    };
+    let list = Message::Matrices(vec![tool("left-1", broken), tool("left", broken)]);
+    let arrived = receive(&mut own, Timestamp(2 << 32), &list);
+    assert_eq!(seen(&arrived), [("left-1", 2.0, true), ("left", 2.0, false)]);
+    // A position that is none is not seen.
+    let nowhere = Position {
+        position: [f32::NAN, 0.0, 0.0],
+        orientation: None,
+    };
+    let arrived = receive(&mut own, Timestamp(3 << 32), &Message::Position(nowhere));
+    assert_eq!(seen(&arrived), [("Tracker", 3.0, false)]);
+}
+
+/// Where the sender's clock decides, times count from its first sample, exactly to the nanosecond; what has none, or comes from before, is left out and named.
+#[test]
+fn times_count_from_the_first_sample_where_the_senders_clock_decides() {
+    let mut own = conversation("clock = \"device\"");
+    let stamp = |nanoseconds| Timestamp::from_nanoseconds(nanoseconds);
+    let transform = Message::Transform(STRAIGHT);
+    for (nanoseconds, expected) in [
+        (1_767_323_045_016_000_000, 0.0),
+        (1_767_323_045_032_000_000, 0.016),
+        (1_767_323_048_824_000_000, 3.808),
+    ] {
+        let arrived = receive(&mut own, stamp(nanoseconds), &transform);
+        assert_eq!(seen(&arrived), [("Tracker", expected, true)]);
+    }
+    let before = receive(&mut own, stamp(1_767_323_045_000_000_000), &transform);
+    assert_eq!((before.samples.len(), before.notes.len()), (0, 1));
+    let without = receive(&mut own, Timestamp::default(), &transform);
+    assert_eq!(without.samples, []);
+    assert!(without.notes[0].1.contains("`clock` is \"device\""), "{without:?}");
+}

@@ -1,11 +1,11 @@
-//! Random numbers of a trainee: one stream for each of its sides, so that one does not shift another.
+//! Random numbers : one stream for each purpose, so that one does not shift another.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::f64::consts::PI;
 
 /// A stream of random numbers, the same on every machine.
-pub(super) struct Stream(ChaCha8Rng);
+pub(crate) struct Stream(ChaCha8Rng);
 
 impl Stream {
     /// The stream of this number of a seed.
