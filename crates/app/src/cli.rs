@@ -3,6 +3,7 @@
 mod physics;
 mod place;
 mod session;
+mod store;
 mod tree;
 mod value;
 
@@ -11,6 +12,11 @@ pub use physics::{
 };
 pub use place::Place;
 pub use session::{BusArgs, ReplayArgs, ReportArgs, RunArgs, TraineeArgs};
+pub use store::{
+    CourseAddArgs, CourseEnrolArgs, CourseProgressArgs, CourseUnlockArgs, CoursesCommand, GroupArgs, JsonArgs,
+    NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs, TraineeAddArgs, TraineeExportArgs,
+    TraineeGoneArgs, TraineeListArgs, TraineeRenameArgs, TraineeRoleArgs, TraineesCommand,
+};
 pub use tree::{CheckArgs, DigestsArgs, ListArgs, SchemaArgs};
 
 use clap::{Parser, Subcommand};
@@ -50,6 +56,17 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Show the result of a recorded session, as text, JSON, CSV or an HTML page
     Report(ReportArgs),
+    /// Who trains here: names, roles, groups; export and erasure of what is theirs
+    #[command(subcommand)]
+    Trainees(TraineesCommand),
+    /// Levels in order, and how far trainees are
+    #[command(subcommand)]
+    Courses(CoursesCommand),
+    /// Find results, compare two, export them as a table
+    Results(ResultsArgs),
+    /// The database of trainees, courses and results: rebuild, export, import, check it
+    #[command(subcommand)]
+    Store(StoreCommand),
     /// Write the motion of a synthetic trainee along the plan of a script, as a script
     Trainee(TraineeArgs),
     /// Show which messages flow: the kinds and who publishes and receives them, or all messages of a session

@@ -15,9 +15,12 @@ mod chart;
 mod check;
 mod cli;
 mod constant;
+mod courses;
+mod date;
 mod digests;
 mod discretisation;
 mod doctor;
+mod erasure;
 mod fit;
 mod folders;
 mod guest;
@@ -27,19 +30,28 @@ mod listing;
 mod log;
 mod mesh;
 mod mesh_file;
+mod names;
 mod output;
+mod population;
 mod processor;
 mod progress;
+mod records;
 mod replace_file;
 mod replay;
 mod report;
+mod result_table;
+mod results;
 mod run;
 mod scene_file;
 mod schema;
+mod series_table;
 mod session_file;
+mod sessions;
 mod simulate;
 mod station;
+mod store;
 mod trainee;
+mod trainees;
 mod tune;
 mod working_step;
 mod zone;
@@ -88,6 +100,10 @@ fn main() -> ExitCode {
         Command::Fit(args) => fit::fit(args),
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(&cli.place, args),
+        Command::Trainees(command) => trainees::trainees(&cli.place, command),
+        Command::Courses(command) => courses::courses(&cli.place, command),
+        Command::Results(args) => results::results(&cli.place, args),
+        Command::Store(command) => store::store(&cli.place, command),
         Command::Trainee(args) => trainee::trainee(&cli.place, args),
         Command::Bus(args) => bus::bus(&cli.place, args),
         Command::Check(args) => check::check(&cli.place, args),

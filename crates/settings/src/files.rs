@@ -4,7 +4,7 @@ use crate::schema::Schema;
 use crate::table::Table;
 
 /// The kinds of file, by the names that the command line uses, each with a sentence about it.
-pub const KINDS: [(&str, &str); 12] = [
+pub const KINDS: [(&str, &str); 13] = [
     (
         "manifest",
         "plugin.toml and module.toml: what a plugin or training module is, needs and declares.",
@@ -48,6 +48,10 @@ pub const KINDS: [(&str, &str); 12] = [
     (
         "trainees",
         "config/trainees.toml: how synthetic trainees move. They test the software and validate nothing.",
+    ),
+    (
+        "course",
+        "config/courses/NAME.toml: levels in order, and when the next one opens; `microsim courses add` takes it into the store.",
     ),
     (
         "host",

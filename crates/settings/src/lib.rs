@@ -17,6 +17,7 @@ mod check;
 mod colour;
 mod contact;
 mod contact_check;
+mod course;
 mod describe;
 mod discover;
 mod document;
@@ -61,6 +62,7 @@ pub use chart::{
 };
 pub use colour::Colour;
 pub use contact::{ContactPair, CutPair, SceneTool, ToolKey};
+pub use course::{Course, CourseStep, Unlock, load_course, read_course};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover, discover_with};
 pub use document::{Document, Loaded};
@@ -129,6 +131,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "recording" => schema_of::<RecordingMap>(kind),
         "script" => schema_of::<Script>(kind),
         "trainees" => schema_of::<Trainees>(kind),
+        "course" => schema_of::<Course>(kind),
         "vessel" => schema_of::<Vessel>(kind),
         "host" => schema_of::<Host>(kind),
         _ => return None,
