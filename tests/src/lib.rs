@@ -17,6 +17,7 @@
 //! - [`measured`]: CPU time and memory of the program;
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
+//! - [`stations`]: folders of users, with trainees and a store of their own;
 //! - [`system`]: the linear system of a body, phase by phase;
 //! - [`training`]: training after training in one process;
 //! - [`trainees`]: synthetic trainees, made and run;
@@ -39,6 +40,7 @@ pub mod matrix;
 pub mod measured;
 pub mod sensitivity;
 pub mod simulated;
+pub mod stations;
 pub mod statistics;
 pub mod system;
 pub mod trainees;
@@ -152,7 +154,13 @@ where
     let mut command = Command::new(program());
     command.args(args).current_dir(repository());
     command.env("MICROSIM_STATION_KEY", station_key());
+    command.env("MICROSIM_DATA", data());
     command
+}
+
+/// Data folder of the tests that need none of their own: beside the built tree, not that of whoever runs them.
+pub fn data() -> PathBuf {
+    tree().with_extension("data")
 }
 
 /// The key that sessions of the tests are signed with: beside the built tree, not in the data folder of whoever runs them.

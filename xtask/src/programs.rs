@@ -78,6 +78,12 @@ pub const BENCHES: &[Program] = &[
         shows: "walls with fibres: cost per element beside rubber, a carotid that is gripped",
     },
     Program {
+        name: "store",
+        package: TESTS,
+        example: "bench_store",
+        shows: "50,000 results: finding those of a trainee, export, import, size",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",
@@ -170,6 +176,12 @@ pub const SOAKS: &[Program] = &[
         package: TESTS,
         example: "soak_training",
         shows: "60 minutes of all scripts in one process (-- --minutes N): faults, memory",
+    },
+    Program {
+        name: "store",
+        package: TESTS,
+        example: "soak_store",
+        shows: "100 sessions of 10 trainees, half killed: none lost, all as rebuilt",
     },
     Program {
         name: "hands",
@@ -271,7 +283,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, hands"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, store, hands"
                     .into()
             )
         );

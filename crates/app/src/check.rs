@@ -125,7 +125,10 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         );
     }
     for path in files_in(&config.join("courses"), "toml") {
-        findings.note(path.display().to_string(), check_course(installation, &path));
+        findings.note(
+            path.display().to_string(),
+            check_course(installation, &path),
+        );
     }
     for path in files_in(&config.join("scenes"), "toml") {
         findings.note(
@@ -218,11 +221,16 @@ fn check_scene(
 /// Reads a course, whose levels have to be installed.
 fn check_course(installation: &Installation, path: &Path) -> Result<Vec<String>, String> {
     let course = settings::load_course(path).map_err(|e| e.to_string())?;
-    let unknown = course.settings.step.iter().enumerate().filter_map(|(at, step)| {
-        let missing = installation.level(&step.module, step.level).err()?;
-        let key = settings::KeyPath::root().key("step").at(at);
-        Some(format!("{}: {missing}", course.document.place(&key)))
-    });
+    let unknown = course
+        .settings
+        .step
+        .iter()
+        .enumerate()
+        .filter_map(|(at, step)| {
+            let missing = installation.level(&step.module, step.level).err()?;
+            let key = settings::KeyPath::root().key("step").at(at);
+            Some(format!("{}: {missing}", course.document.place(&key)))
+        });
     let unknown: Vec<String> = unknown.collect();
     match unknown.is_empty() {
         true => Ok(Vec::new()),

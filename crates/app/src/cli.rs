@@ -13,9 +13,10 @@ pub use physics::{
 pub use place::Place;
 pub use session::{BusArgs, ReplayArgs, ReportArgs, RunArgs, TraineeArgs};
 pub use store::{
-    CourseAddArgs, CourseEnrolArgs, CourseProgressArgs, CourseUnlockArgs, CoursesCommand, GroupArgs, JsonArgs,
-    NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs, TraineeAddArgs, TraineeExportArgs,
-    TraineeGoneArgs, TraineeListArgs, TraineeRenameArgs, TraineeRoleArgs, TraineesCommand,
+    CourseAddArgs, CourseEnrolArgs, CourseProgressArgs, CourseUnlockArgs, CoursesCommand,
+    GroupArgs, JsonArgs, NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs,
+    TraineeAddArgs, TraineeExportArgs, TraineeGoneArgs, TraineeListArgs, TraineeRenameArgs,
+    TraineeRoleArgs, TraineesCommand,
 };
 pub use tree::{CheckArgs, DigestsArgs, ListArgs, SchemaArgs};
 

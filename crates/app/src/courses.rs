@@ -23,7 +23,10 @@ pub fn courses(place: &Place, command: &CoursesCommand) -> Result<Exit, Problem>
             }
             for course in &courses {
                 let levels = course.steps.len();
-                print(format!("{:<24} {levels:>3} levels  {}", course.name, course.title_en))?;
+                print(format!(
+                    "{:<24} {levels:>3} levels  {}",
+                    course.name, course.title_en
+                ))?;
             }
             Ok(Exit::Done)
         }
@@ -32,7 +35,11 @@ pub fn courses(place: &Place, command: &CoursesCommand) -> Result<Exit, Problem>
         CoursesCommand::Remove(args) => {
             let mut store = open(place)?;
             store.remove_course(&args.course)?;
-            done(args.json, json!({ "removed": args.course }), &format!("{} is removed; results stay", args.course))
+            done(
+                args.json,
+                json!({ "removed": args.course }),
+                &format!("{} is removed; results stay", args.course),
+            )
         }
         CoursesCommand::Enrol(args) => enrol(place, args),
         CoursesCommand::Unlock(args) => unlock(place, args),
@@ -75,7 +82,11 @@ fn add(place: &Place, args: &CourseAddArgs) -> Result<Exit, Problem> {
     done(
         args.json,
         json!(course),
-        &format!("{} is in the store, with {} levels", course.name, course.steps.len()),
+        &format!(
+            "{} is in the store, with {} levels",
+            course.name,
+            course.steps.len()
+        ),
     )
 }
 
@@ -102,7 +113,11 @@ fn enrol(place: &Place, args: &CourseEnrolArgs) -> Result<Exit, Problem> {
         true => store.leave(&args.course, &who)?,
         false => store.enrol(&args.course, &who)?,
     }
-    let does = if args.remove { "does not take" } else { "takes" };
+    let does = if args.remove {
+        "does not take"
+    } else {
+        "takes"
+    };
     done(
         args.json,
         json!({ "course": args.course, "who": name, "enrolled": !args.remove }),
@@ -158,7 +173,10 @@ fn show(store: &Store, args: &NameArgs) -> Result<Exit, Problem> {
         print(format!("  group {}", shown(group)))?;
     }
     for trainee in &trainees {
-        print(format!("  {}", name_or_id(trainee.name.as_deref(), Some(trainee.id))))?;
+        print(format!(
+            "  {}",
+            name_or_id(trainee.name.as_deref(), Some(trainee.id))
+        ))?;
     }
     Ok(Exit::Done)
 }

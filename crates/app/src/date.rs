@@ -18,7 +18,11 @@ fn civil(days: i64) -> (i64, i64, i64) {
     let of_year = of_era - (365 * year + year / 4 - year / 100);
     let shifted = (5 * of_year + 2) / 153;
     let day = of_year - (153 * shifted + 2) / 5 + 1;
-    let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
+    let month = if shifted < 10 {
+        shifted + 3
+    } else {
+        shifted - 9
+    };
     (year + era * 400 + i64::from(month <= 2), month, day)
 }
 
@@ -44,7 +48,11 @@ pub fn parse(text: &str) -> Option<i64> {
 pub fn shown(seconds: i64) -> String {
     let (year, month, day) = civil(seconds.div_euclid(86_400));
     let minutes = seconds.rem_euclid(86_400) / 60;
-    format!("{year:04}-{month:02}-{day:02} {:02}:{:02}", minutes / 60, minutes % 60)
+    format!(
+        "{year:04}-{month:02}-{day:02} {:02}:{:02}",
+        minutes / 60,
+        minutes % 60
+    )
 }
 
 /// Seconds since 1970 as `2026-11-25T21:04:07Z` (ISO 8601).
@@ -77,13 +85,26 @@ mod tests {
             assert_eq!(parse(text), Some(seconds));
             assert_eq!(iso(seconds), format!("{text}T00:00:00Z"));
         }
-        assert_eq!(shown(1_795_564_800 + 21 * 3600 + 4 * 60 + 59), "2026-11-25 21:04");
+        assert_eq!(
+            shown(1_795_564_800 + 21 * 3600 + 4 * 60 + 59),
+            "2026-11-25 21:04"
+        );
         assert_eq!(iso(-1), "1969-12-31T23:59:59Z");
     }
 
     #[test]
     fn what_is_no_day_is_refused() {
-        for text in ["2026-02-29", "2026-13-01", "2026-00-10", "26-01-01", "2026-1-1", "2026/01/01", "", "2026-01-01-01", "+026-01-01"] {
+        for text in [
+            "2026-02-29",
+            "2026-13-01",
+            "2026-00-10",
+            "26-01-01",
+            "2026-1-1",
+            "2026/01/01",
+            "",
+            "2026-01-01-01",
+            "+026-01-01",
+        ] {
             assert_eq!(parse(text), None, "{text}");
         }
     }

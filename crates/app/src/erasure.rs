@@ -59,7 +59,10 @@ fn belongings(place: &Place, store: &Store, trainee: &Trainee) -> Result<Belongi
             found.files.extend(all.filter(|file| file.is_file()));
         }
     };
-    let known: BTreeSet<PathBuf> = sessions.iter().map(|s| PathBuf::from(&s.session.path)).collect();
+    let known: BTreeSet<PathBuf> = sessions
+        .iter()
+        .map(|s| PathBuf::from(&s.session.path))
+        .collect();
     known.iter().for_each(|path| take(path));
     let folder = Folders::of(place)?.sessions();
     for path in sessions_below(&folder) {
@@ -85,7 +88,11 @@ fn pictures_in(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let paths = entries.map(|entry| entry.path());
     let is_picture = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         name.starts_with("frame-") && name.ends_with(".png") && path.is_file()
     };
     paths.filter(is_picture).collect()
@@ -157,14 +164,20 @@ pub fn anonymise(place: &Place, args: &TraineeGoneArgs) -> Result<Exit, Problem>
         return Ok(Exit::Done);
     }
     match args.yes {
-        true => print(format!("The name is gone; {} and {} sessions stay", trainee.id, found.sessions))?,
+        true => print(format!(
+            "The name is gone; {} and {} sessions stay",
+            trainee.id, found.sessions
+        ))?,
         false => print(format!(
             "Nothing is removed yet. With --yes the name goes; {} and {} sessions stay",
             trainee.id, found.sessions
         ))?,
     }
     for copy in &copies {
-        print(format!("  a copy of an earlier version holds it as well: {}", copy.display()))?;
+        print(format!(
+            "  a copy of an earlier version holds it as well: {}",
+            copy.display()
+        ))?;
     }
     for path in &found.with_name {
         print(format!(

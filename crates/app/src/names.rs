@@ -43,8 +43,14 @@ mod tests {
     fn a_name_is_one_harmless_line() {
         assert_eq!(shown("A. Muster"), "A. Muster");
         assert_eq!(shown("Élodie 李 小龍 محمد"), "Élodie 李 小龍 محمد");
-        assert_eq!(shown("a\nb\u{1b}]0;x\u{7}\0"), "a\\u{a}b\\u{1b}]0;x\\u{7}\\u{0}");
-        assert_eq!(shown("x\u{202e}y\u{2066}z\u{200b}"), "x\\u{202e}y\\u{2066}z\\u{200b}");
+        assert_eq!(
+            shown("a\nb\u{1b}]0;x\u{7}\0"),
+            "a\\u{a}b\\u{1b}]0;x\\u{7}\\u{0}"
+        );
+        assert_eq!(
+            shown("x\u{202e}y\u{2066}z\u{200b}"),
+            "x\\u{202e}y\\u{2066}z\\u{200b}"
+        );
         assert_eq!(shown("\u{2028}"), "\\u{2028}");
         let long = shown(&"ä".repeat(10_000));
         assert_eq!(long.chars().count(), 61);

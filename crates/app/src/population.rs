@@ -7,17 +7,26 @@ const NEEDED: [&str; 7] = ["module", "level", "metric", "source", "n", "mean", "
 
 /// Reads a table; an error begins with the line, as in `:3: …`.
 pub fn read_populations(bytes: &[u8]) -> Result<Vec<PopulationRecord>, String> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_reader(bytes);
     let header = reader.headers().map_err(|e| format!(": {e}"))?.clone();
     let at = |name: &str| header.iter().position(|column| column == name);
     let mut places = [0; NEEDED.len()];
     for (place, name) in places.iter_mut().zip(NEEDED) {
         *place = at(name).ok_or_else(|| {
-            format!(":1: no column `{name}`; expected {}, and percentiles such as p10", NEEDED.join(", "))
+            format!(
+                ":1: no column `{name}`; expected {}, and percentiles such as p10",
+                NEEDED.join(", ")
+            )
         })?;
     }
     let mut percentiles = Vec::new();
-    for (column, name) in header.iter().enumerate().filter(|(column, _)| !places.contains(column)) {
+    for (column, name) in header
+        .iter()
+        .enumerate()
+        .filter(|(column, _)| !places.contains(column))
+    {
         let percent = name.strip_prefix('p').and_then(|p| p.parse::<f64>().ok());
         match percent.filter(|percent| (0.0..=100.0).contains(percent)) {
             Some(percent) => percentiles.push((percent, column)),
@@ -36,7 +45,10 @@ pub fn read_populations(bytes: &[u8]) -> Result<Vec<PopulationRecord>, String> {
         let line = row.position().map_or(0, csv::Position::line);
         let cell = |column: usize| row.get(column).unwrap_or_default();
         let wrong = |name: &str, column: usize, expected: &str| {
-            format!(":{line}: column `{name}`: found \"{}\", expected {expected}", cell(column))
+            format!(
+                ":{line}: column `{name}`: found \"{}\", expected {expected}",
+                cell(column)
+            )
         };
         let number = |name: &str, column: usize| -> Result<Option<f64>, String> {
             match cell(column) {
@@ -53,7 +65,9 @@ pub fn read_populations(bytes: &[u8]) -> Result<Vec<PopulationRecord>, String> {
             text => Ok(text.to_owned()),
         };
         let whole = |name: &str, column: usize| {
-            cell(column).parse::<u32>().map_err(|_| wrong(name, column, "a whole number"))
+            cell(column)
+                .parse::<u32>()
+                .map_err(|_| wrong(name, column, "a whole number"))
         };
         let mut values = Vec::new();
         for (percent, column) in &percentiles {
@@ -90,7 +104,10 @@ mod tests {
                     touch-spheres,1,path-length,experts,12,,,0.9,0.3\n";
         let records = read_populations(text.as_bytes()).expect("a table");
         assert_eq!(records.len(), 2);
-        assert_eq!((records[0].mean, records[0].deviation), (Some(30.0), Some(4.5)));
+        assert_eq!(
+            (records[0].mean, records[0].deviation),
+            (Some(30.0), Some(4.5))
+        );
         assert_eq!(records[0].source, "experts, 2025");
         assert_eq!(records[1].percentiles, [(10.0, 0.3), (90.0, 0.9)]);
     }
@@ -101,13 +118,27 @@ mod tests {
         for (text, expected) in [
             ("module,level\n".to_owned(), ":1: no column `metric`"),
             (head.replace("p10", "q10"), ":1: column `q10`"),
-            (format!("{head}a,1,time,x,3,1,0.5,\na,one,time,x,3,1,0.5,\n"), ":3: column `level`: found \"one\""),
-            (format!("{head}a,1,time,x,3,nan,0.5,\n"), ":2: column `mean`"),
-            (format!("{head}a,1,time,x,3,1,0,\n"), ":2: expected a standard deviation above 0"),
-            (format!("{head}a,1,time,x,3,,,\n"), ":2: expected at least two percentiles"),
+            (
+                format!("{head}a,1,time,x,3,1,0.5,\na,one,time,x,3,1,0.5,\n"),
+                ":3: column `level`: found \"one\"",
+            ),
+            (
+                format!("{head}a,1,time,x,3,nan,0.5,\n"),
+                ":2: column `mean`",
+            ),
+            (
+                format!("{head}a,1,time,x,3,1,0,\n"),
+                ":2: expected a standard deviation above 0",
+            ),
+            (
+                format!("{head}a,1,time,x,3,,,\n"),
+                ":2: expected at least two percentiles",
+            ),
             (format!("{head}a,1,time,,3,1,1,\n"), ":2: column `source`"),
         ] {
-            let error = read_populations(text.as_bytes()).map(drop).expect_err(&text);
+            let error = read_populations(text.as_bytes())
+                .map(drop)
+                .expect_err(&text);
             assert!(error.starts_with(expected), "{error}");
         }
     }

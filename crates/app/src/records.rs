@@ -118,15 +118,15 @@ impl RunRecord {
             };
         }
         let noted = record.note(place, args, asked, session);
-        match (noted, asked, as_id) {
-            (Ok(()), ..) => Ok(record),
+        match noted {
+            Ok(()) => Ok(record),
             // Nobody knows whose run it would be.
-            (Err(problem), Some(_), None) => Err(problem),
-            (Err(Problem::Text(why)), ..) => {
+            Err(problem) if asked.is_some() && record.trainee.is_none() => Err(problem),
+            Err(Problem::Text(why)) => {
                 record.failed = Some(why);
                 Ok(record)
             }
-            (Err(problem), ..) => Err(problem),
+            Err(problem) => Err(problem),
         }
     }
 
@@ -248,7 +248,12 @@ fn this_process() -> (i64, i64) {
 fn started_of(process: &str) -> Option<i64> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     // The name of the program stands in brackets and may be anything; the 22nd field is the 20th behind it.
-    stat.rsplit_once(')')?.1.split_whitespace().nth(19)?.parse().ok()
+    stat.rsplit_once(')')?
+        .1
+        .split_whitespace()
+        .nth(19)?
+        .parse()
+        .ok()
 }
 
 /// A session as it was read from its file, with the name that sessions of earlier versions hold.
@@ -294,7 +299,10 @@ pub fn with_trainees(
                 Found::One(trainee) => trainee.id,
                 Found::Nobody(_) => {
                     // The same name has the same id wherever sessions are read again.
-                    let id = id_of(&[b"MicroSim trainee of a session without an id", name.as_bytes()]);
+                    let id = id_of(&[
+                        b"MicroSim trainee of a session without an id",
+                        name.as_bytes(),
+                    ]);
                     store.add_trainee(&Trainee {
                         id,
                         name: Some(name),
@@ -383,13 +391,15 @@ fn entry(recorded: &Recorded, report: &Report, path: &Path) -> Session {
 
 /// A path as the store has it: from the root, without links where the file is there.
 pub fn text(path: &Path) -> String {
-    let whole = path.canonicalize().or_else(|_| match (path.parent(), path.file_name()) {
-        (Some(folder), Some(name)) if !folder.as_os_str().is_empty() => {
-            folder.canonicalize().map(|folder| folder.join(name))
-        }
-        (_, Some(name)) => std::env::current_dir().map(|folder| folder.join(name)),
-        _ => std::path::absolute(path),
-    });
+    let whole = path
+        .canonicalize()
+        .or_else(|_| match (path.parent(), path.file_name()) {
+            (Some(folder), Some(name)) if !folder.as_os_str().is_empty() => {
+                folder.canonicalize().map(|folder| folder.join(name))
+            }
+            (_, Some(name)) => std::env::current_dir().map(|folder| folder.join(name)),
+            _ => std::path::absolute(path),
+        });
     let whole = whole.unwrap_or_else(|_| path.to_path_buf());
     whole.to_string_lossy().into_owned()
 }
@@ -414,7 +424,10 @@ pub fn attach(place: &Place, recorded: &Recorded, session: &Path, files: &[&Path
     };
     let beside = files_beside(session).map(|path| text(&path));
     let files: Vec<String> = files.iter().map(|path| text(path)).collect();
-    let files: Vec<String> = files.into_iter().filter(|file| !beside.contains(file)).collect();
+    let files: Vec<String> = files
+        .into_iter()
+        .filter(|file| !beside.contains(file))
+        .collect();
     if files.is_empty() || !folders.store().exists() {
         return;
     }
@@ -432,7 +445,13 @@ mod tests {
     #[test]
     fn every_verdict_of_a_report_is_one_of_the_store() {
         use microsim_report::Verdict as Reported;
-        for verdict in [Reported::Passed, Reported::Failed, Reported::NotJudged, Reported::Aborted, Reported::Incomplete] {
+        for verdict in [
+            Reported::Passed,
+            Reported::Failed,
+            Reported::NotJudged,
+            Reported::Aborted,
+            Reported::Incomplete,
+        ] {
             let name = verdict_word(verdict);
             assert_eq!(Verdict::from_name(name).map(Verdict::name), Some(name));
         }
@@ -441,7 +460,11 @@ mod tests {
     #[test]
     fn a_process_is_alive_by_number_and_start() {
         let (process, process_started) = this_process();
-        let run = |process, process_started| Pending { path: String::new(), process, process_started };
+        let run = |process, process_started| Pending {
+            path: String::new(),
+            process,
+            process_started,
+        };
         assert!(process_started > 0);
         assert!(is_alive(&run(process, process_started)));
         assert!(!is_alive(&run(process, process_started + 1)));

@@ -53,7 +53,9 @@ pub fn replace_by(
     let named = |e| unwritable(path, e);
     if is_special(path) {
         let opened = fs::OpenOptions::new().write(true).truncate(true).open(path);
-        return Ok(opened.and_then(|mut file| write(&mut file)).map_err(named)?);
+        return Ok(opened
+            .and_then(|mut file| write(&mut file))
+            .map_err(named)?);
     }
     let (new, mut file) = beside(path).map_err(named)?;
     let written = write(&mut file)

@@ -49,7 +49,11 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
         series_table::write(&report, format, path)?;
     }
     let written = [&args.html, &args.csv, &args.series, &args.table];
-    let written: Vec<&Path> = written.into_iter().flatten().map(PathBuf::as_path).collect();
+    let written: Vec<&Path> = written
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
     records::attach(place, &session, &args.session, &written);
     if args.json {
         print_long(|out| report.write_json(out))?;

@@ -140,7 +140,10 @@ fn rows<W: Write + Send>(
     if session.metrics.is_empty() {
         return add(None);
     }
-    session.metrics.iter().try_for_each(|measured| add(Some(measured)))
+    session
+        .metrics
+        .iter()
+        .try_for_each(|measured| add(Some(measured)))
 }
 
 fn of_metric(measured: &Measured) -> [Cell<'_>; 11] {

@@ -21,7 +21,9 @@ pub fn results(place: &Place, args: &ResultsArgs) -> Result<Exit, Problem> {
     }
     let trainee = args.trainee.as_deref();
     let filter = Filter {
-        trainee: trainee.map(|who| Ok::<_, Problem>(find(&store, who)?.id)).transpose()?,
+        trainee: trainee
+            .map(|who| Ok::<_, Problem>(find(&store, who)?.id))
+            .transpose()?,
         group: args.group.clone(),
         module: args.module.clone(),
         level: args.level,
@@ -38,7 +40,10 @@ pub fn results(place: &Place, args: &ResultsArgs) -> Result<Exit, Problem> {
             (Some(module), Some(level)) => store.populations(Some((module, level)))?,
             _ => store.populations(None)?,
         };
-        let results: Vec<Value> = found.iter().map(|named| document(named, &populations)).collect();
+        let results: Vec<Value> = found
+            .iter()
+            .map(|named| document(named, &populations))
+            .collect();
         print_json(&json!({
             "results": results,
             "learning_curve": curve.as_ref().map(curve_document),
@@ -63,7 +68,8 @@ fn export(
     args: &ResultsArgs,
     path: &Path,
 ) -> Result<Exit, Problem> {
-    let format = Format::of(path).ok_or_else(|| unwritable(path, std::io::ErrorKind::InvalidInput.into()))?;
+    let format = Format::of(path)
+        .ok_or_else(|| unwritable(path, std::io::ErrorKind::InvalidInput.into()))?;
     let sessions = result_table::write(store, filter, !args.no_names, format, path)?;
     match args.json {
         true => print_json(&json!({ "sessions": sessions, "file": path }))?,
@@ -75,14 +81,21 @@ fn export(
 /// A session on one line.
 fn line(named: &NamedSession) -> String {
     let session = &named.session;
-    let score = session.score.map_or_else(|| "   –".into(), |score| format!("{score:5.1}"));
+    let score = session
+        .score
+        .map_or_else(|| "   –".into(), |score| format!("{score:5.1}"));
     let verdict = match (session.counts, session.verdict) {
-        (true, verdict) | (false, verdict @ (Verdict::Aborted | Verdict::NotJudged | Verdict::Incomplete)) => {
+        (true, verdict)
+        | (false, verdict @ (Verdict::Aborted | Verdict::NotJudged | Verdict::Incomplete)) => {
             verdict.name().to_owned()
         }
         (false, verdict) => format!("({})", verdict.name()),
     };
-    let synthetic = if session.synthetic.is_some() { "  synthetic" } else { "" };
+    let synthetic = if session.synthetic.is_some() {
+        "  synthetic"
+    } else {
+        ""
+    };
     let failed = match session.failed.is_empty() {
         true => String::new(),
         false => format!("  {}", session.failed.join(", ")),
@@ -168,9 +181,15 @@ fn standing(measured: &Measured, record: &PopulationRecord) -> Option<Value> {
     }))
 }
 
-fn measured_document(session: &Session, measured: &Measured, populations: &[PopulationRecord]) -> Value {
+fn measured_document(
+    session: &Session,
+    measured: &Measured,
+    populations: &[PopulationRecord],
+) -> Value {
     let of = populations.iter().filter(|record| {
-        record.module == session.module && record.level == session.level && record.metric == measured.metric.id
+        record.module == session.module
+            && record.level == session.level
+            && record.metric == measured.metric.id
     });
     let standings: Vec<Value> = of.filter_map(|record| standing(measured, record)).collect();
     json!({
@@ -192,10 +211,13 @@ fn measured_document(session: &Session, measured: &Measured, populations: &[Popu
 fn document(named: &NamedSession, populations: &[PopulationRecord]) -> Value {
     let session = &named.session;
     let metrics = session.metrics.iter();
-    let metrics: Vec<Value> = metrics.map(|m| measured_document(session, m, populations)).collect();
+    let metrics: Vec<Value> = metrics
+        .map(|m| measured_document(session, m, populations))
+        .collect();
     let categories = session.categories.iter();
-    let categories: serde_json::Map<String, Value> =
-        categories.map(|(id, score)| (id.clone(), json!(score))).collect();
+    let categories: serde_json::Map<String, Value> = categories
+        .map(|(id, score)| (id.clone(), json!(score)))
+        .collect();
     json!({
         "session": session.id,
         "file": session.path,
@@ -293,22 +315,33 @@ fn compare(store: &Store, asked: [&String; 2], as_json: bool) -> Result<Exit, Pr
     if !same_level {
         print("Not the same level: values of different tasks are side by side")?;
     }
-    print(format!("{:<34} {:>12} {:>12} {:>12}", "", "A", "B", "B - A"))?;
-    let row = |title: &str, values: [Option<f64>; 2], unit: &str, direction: &str, outside: [bool; 2]| {
-        let number = |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.4}"));
-        let difference = values[0].zip(values[1]).map(|(a, b)| b - a);
-        let mark = |outside: bool| if outside { "!" } else { " " };
-        print(format!(
-            "{title:<34} {:>12}{}{:>12}{}{:>12} {unit:<5} {}",
-            number(values[0]),
-            mark(outside[0]),
-            number(values[1]),
-            mark(outside[1]),
-            number(difference),
-            difference.map_or("", |d| change(direction, d)),
-        ))
-    };
-    row("score", [a.session.score, b.session.score], "", "higher", [false; 2])?;
+    print(format!(
+        "{:<34} {:>12} {:>12} {:>12}",
+        "", "A", "B", "B - A"
+    ))?;
+    let row =
+        |title: &str, values: [Option<f64>; 2], unit: &str, direction: &str, outside: [bool; 2]| {
+            let number =
+                |value: Option<f64>| value.map_or_else(|| "–".into(), |v| format!("{v:.4}"));
+            let difference = values[0].zip(values[1]).map(|(a, b)| b - a);
+            let mark = |outside: bool| if outside { "!" } else { " " };
+            print(format!(
+                "{title:<34} {:>12}{}{:>12}{}{:>12} {unit:<5} {}",
+                number(values[0]),
+                mark(outside[0]),
+                number(values[1]),
+                mark(outside[1]),
+                number(difference),
+                difference.map_or("", |d| change(direction, d)),
+            ))
+        };
+    row(
+        "score",
+        [a.session.score, b.session.score],
+        "",
+        "higher",
+        [false; 2],
+    )?;
     for (id, of_a) in &a.session.categories {
         let of_b = b.session.categories.iter().find(|(other, _)| other == id);
         let values = [Some(*of_a), of_b.map(|(_, score)| *score)];
@@ -318,7 +351,13 @@ fn compare(store: &Store, asked: [&String; 2], as_json: bool) -> Result<Exit, Pr
         let metric = &of_a.metric;
         let values = [of_a, of_b].map(|m| m.value.map(|v| v * metric.display_factor));
         let outside = [of_a, of_b].map(|m| m.within == Some(false));
-        row(&metric.title, values, &metric.display_unit, &metric.direction, outside)?;
+        row(
+            &metric.title,
+            values,
+            &metric.display_unit,
+            &metric.direction,
+            outside,
+        )?;
     }
     print("! outside the limit of the level")?;
     Ok(Exit::Done)

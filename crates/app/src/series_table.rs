@@ -10,15 +10,42 @@ use std::path::Path;
 /// A row is one number or one event: tools first, then forces, then events, each in the order of time. `with` is the body that a tool
 /// touches; `part` the segment of a motion, or the contact; `valid` is false for forces of ticks that mean nothing.
 const COLUMNS: [Column; 9] = [
-    Column { name: "time_s", kind: Kind::Real },
-    Column { name: "source", kind: Kind::Text },
-    Column { name: "with", kind: Kind::Text },
-    Column { name: "part", kind: Kind::Integer },
-    Column { name: "quantity", kind: Kind::Text },
-    Column { name: "unit", kind: Kind::Text },
-    Column { name: "value", kind: Kind::Real },
-    Column { name: "valid", kind: Kind::Flag },
-    Column { name: "text", kind: Kind::Text },
+    Column {
+        name: "time_s",
+        kind: Kind::Real,
+    },
+    Column {
+        name: "source",
+        kind: Kind::Text,
+    },
+    Column {
+        name: "with",
+        kind: Kind::Text,
+    },
+    Column {
+        name: "part",
+        kind: Kind::Integer,
+    },
+    Column {
+        name: "quantity",
+        kind: Kind::Text,
+    },
+    Column {
+        name: "unit",
+        kind: Kind::Text,
+    },
+    Column {
+        name: "value",
+        kind: Kind::Real,
+    },
+    Column {
+        name: "valid",
+        kind: Kind::Flag,
+    },
+    Column {
+        name: "text",
+        kind: Kind::Text,
+    },
 ];
 
 /// Writes the table in the place of what is at `path`.
@@ -34,7 +61,12 @@ pub fn write(report: &Report, format: Format, path: &Path) -> Result<(), Problem
 fn rows<W: Write + Send>(report: &Report, table: &mut TableWriter<W>) -> Result<(), TableError> {
     for motion in &report.series {
         for (k, [x, y, z]) in motion.position.iter().enumerate() {
-            let numbers = [("x", "m", Some(*x)), ("y", "m", Some(*y)), ("z", "m", Some(*z)), ("speed", "m/s", motion.speed[k])];
+            let numbers = [
+                ("x", "m", Some(*x)),
+                ("y", "m", Some(*y)),
+                ("z", "m", Some(*z)),
+                ("speed", "m/s", motion.speed[k]),
+            ];
             for (quantity, unit, value) in numbers {
                 table.row(&[
                     Cell::Real(motion.time[k]),

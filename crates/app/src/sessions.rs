@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 /// The session files in a folder and those below it, by path, without links in it; links to folders are not followed.
 pub fn sessions_below(folder: &Path) -> Vec<PathBuf> {
-    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_path_buf());
+    let folder = folder
+        .canonicalize()
+        .unwrap_or_else(|_| folder.to_path_buf());
     let mut found = Vec::new();
     let mut open = vec![folder];
     while let Some(folder) = open.pop() {

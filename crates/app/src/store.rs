@@ -67,7 +67,11 @@ fn export(place: &Place, args: &StoreFileArgs) -> Result<Exit, Problem> {
             print(format!("  {loss}"))?;
         }
     }
-    Ok(if losses.is_empty() { Exit::Done } else { Exit::Negative })
+    Ok(if losses.is_empty() {
+        Exit::Done
+    } else {
+        Exit::Negative
+    })
 }
 
 fn import(place: &Place, args: &StoreFileArgs) -> Result<Exit, Problem> {
@@ -124,7 +128,11 @@ fn check(place: &Place, as_json: bool) -> Result<Exit, Problem> {
             path.display()
         ))?;
     }
-    Ok(if problems.is_empty() { Exit::Done } else { Exit::Negative })
+    Ok(if problems.is_empty() {
+        Exit::Done
+    } else {
+        Exit::Negative
+    })
 }
 
 /// What a rebuild has found.
@@ -147,7 +155,10 @@ fn rebuild(place: &Place, args: &RebuildArgs) -> Result<Exit, Problem> {
     for folder in std::iter::once(&folders.sessions()).chain(&args.folders) {
         files.extend(sessions_below(folder));
     }
-    let known = store.session_paths()?.into_iter().map(|(path, _)| PathBuf::from(path));
+    let known = store
+        .session_paths()?
+        .into_iter()
+        .map(|(path, _)| PathBuf::from(path));
     files.extend(known.filter(|path| path.is_file()));
     let running: BTreeSet<PathBuf> = store
         .pending()?
@@ -181,8 +192,14 @@ fn rebuild(place: &Place, args: &RebuildArgs) -> Result<Exit, Problem> {
             }
         }
     }
-    found.sessions.sort_by_key(|read| (read.session.started, read.session.id));
-    let unfinished = found.sessions.iter().filter(|read| !read.session.finished).count();
+    found
+        .sessions
+        .sort_by_key(|read| (read.session.started, read.session.id));
+    let unfinished = found
+        .sessions
+        .iter()
+        .filter(|read| !read.session.finished)
+        .count();
     let sessions = with_trainees(&mut store, found.sessions)?;
     let others = store.rebuild(&sessions)?;
     if args.json {
@@ -206,7 +223,10 @@ fn rebuild(place: &Place, args: &RebuildArgs) -> Result<Exit, Problem> {
     ))?;
     let more = [
         (others, "stay as they were: their files are not there"),
-        (found.unlisted as i64, "stay out, as they were run with --no-store"),
+        (
+            found.unlisted as i64,
+            "stay out, as they were run with --no-store",
+        ),
         (found.running as i64, "are running, and enter by themselves"),
     ];
     for (count, what) in more.iter().filter(|(count, _)| *count > 0) {

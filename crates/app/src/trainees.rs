@@ -65,7 +65,11 @@ fn stated(trainee: &Trainee, as_json: bool) -> Result<Exit, Problem> {
         print_json(&document(trainee))?;
     } else {
         let name = name_or_id(trainee.name.as_deref(), Some(trainee.id));
-        print(format!("{}  {:<10}  {name}", trainee.id, trainee.role.name()))?;
+        print(format!(
+            "{}  {:<10}  {name}",
+            trainee.id,
+            trainee.role.name()
+        ))?;
     }
     Ok(Exit::Done)
 }
@@ -172,7 +176,10 @@ fn export(place: &Place, args: &TraineeExportArgs) -> Result<Exit, Problem> {
         std::fs::create_dir(&folder).map_err(|e| unwritable(&folder, e))?;
         let beside = files_beside(file);
         let others = entry.files.iter().map(PathBuf::from);
-        for path in std::iter::once(file.to_path_buf()).chain(beside).chain(others) {
+        for path in std::iter::once(file.to_path_buf())
+            .chain(beside)
+            .chain(others)
+        {
             let name = path.file_name().unwrap_or_default();
             if path.is_file() {
                 let to = folder.join(name);

@@ -54,7 +54,11 @@ pub fn read_course(text: &str, file: &str) -> Result<Loaded<Course>, ConfigError
     let mut reading = Reading::new(text, file, &schema_of::<Course>("course"))?;
     let steps: Vec<(usize, String, u64)> = items(reading.value(), "step")
         .filter_map(|(at, step)| {
-            Some((at, step["module"].as_str()?.to_owned(), step["level"].as_u64()?))
+            Some((
+                at,
+                step["module"].as_str()?.to_owned(),
+                step["level"].as_u64()?,
+            ))
         })
         .collect();
     for (n, (at, module, level)) in steps.iter().enumerate() {

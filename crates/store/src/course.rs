@@ -100,7 +100,12 @@ pub(crate) fn put(connection: &Connection, course: &Course) -> Result<i64, Store
     let key: i64 = connection.query_row(
         "INSERT INTO course (name, title_en, title_de, in_order) VALUES (?1, ?2, ?3, ?4)
         ON CONFLICT (name) DO UPDATE SET title_en = ?2, title_de = ?3, in_order = ?4 RETURNING key",
-        params![course.name, course.title_en, course.title_de, course.in_order],
+        params![
+            course.name,
+            course.title_en,
+            course.title_de,
+            course.in_order
+        ],
         |row| row.get(0),
     )?;
     connection.execute("DELETE FROM course_step WHERE course = ?1", [key])?;
@@ -114,7 +119,11 @@ pub(crate) fn put(connection: &Connection, course: &Course) -> Result<i64, Store
 }
 
 /// Enrols in the course of a key.
-pub(crate) fn enrol(connection: &Connection, course: i64, who: &Enrolled) -> Result<(), StoreError> {
+pub(crate) fn enrol(
+    connection: &Connection,
+    course: i64,
+    who: &Enrolled,
+) -> Result<(), StoreError> {
     match who {
         Enrolled::Trainee(id) => {
             let Some(trainee) = trainee::key(connection, *id)? else {
@@ -254,13 +263,23 @@ impl Store {
     ///
     /// # Errors
     /// A course or level that is not there, and those of the database.
-    pub fn unlock(&mut self, course: &str, id: Id, module: &str, level: u32) -> Result<(), StoreError> {
+    pub fn unlock(
+        &mut self,
+        course: &str,
+        id: Id,
+        module: &str,
+        level: u32,
+    ) -> Result<(), StoreError> {
         let transaction = self.write()?;
         let key = key(&transaction, course)?;
         let sql = "SELECT 1 FROM course_step WHERE course = ?1 AND module = ?2 AND level = ?3";
-        let has = transaction.prepare(sql)?.exists(params![key, module, level])?;
+        let has = transaction
+            .prepare(sql)?
+            .exists(params![key, module, level])?;
         if !has {
-            return refuse(format!("the course \"{course}\" has no level {level} of {module}"));
+            return refuse(format!(
+                "the course \"{course}\" has no level {level} of {module}"
+            ));
         }
         unlock(&transaction, key, id, module, level)?;
         Ok(transaction.commit()?)
@@ -338,11 +357,13 @@ impl Store {
         )?;
         let mut steps: Vec<StepProgress> = Vec::new();
         for step in &course.steps {
-            let rows = attempts.query_map(params![id, step.module, step.level], |row| row.get(0))?;
+            let rows =
+                attempts.query_map(params![id, step.module, step.level], |row| row.get(0))?;
             let passes = rows.collect::<rusqlite::Result<Vec<bool>>>()?;
-            let by_hand =
-                unlocked.exists(params![course_key, id, step.module, step.level])?;
-            let before = steps.last().is_none_or(|before| before.mastered_with.is_some());
+            let by_hand = unlocked.exists(params![course_key, id, step.module, step.level])?;
+            let before = steps
+                .last()
+                .is_none_or(|before| before.mastered_with.is_some());
             steps.push(StepProgress {
                 step: step.clone(),
                 attempts: passes.len(),

@@ -33,7 +33,9 @@ impl fmt::Display for StoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Busy => f.write_str("the store is locked by another process"),
-            Self::ReadOnly => f.write_str("the store cannot be written: it or its folder is read-only"),
+            Self::ReadOnly => {
+                f.write_str("the store cannot be written: it or its folder is read-only")
+            }
             Self::Full => f.write_str("the store cannot be written: the disk is full"),
             Self::Newer { found, known } => write!(
                 f,

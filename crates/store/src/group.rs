@@ -8,7 +8,8 @@ use rusqlite::{Connection, OptionalExtension, params};
 
 /// Key of the row of a group.
 pub(crate) fn key(connection: &Connection, name: &str) -> Result<Option<i64>, StoreError> {
-    let mut statement = connection.prepare_cached("SELECT key FROM trainee_group WHERE name = ?1")?;
+    let mut statement =
+        connection.prepare_cached("SELECT key FROM trainee_group WHERE name = ?1")?;
     Ok(statement.query_row([name], |row| row.get(0)).optional()?)
 }
 
@@ -17,7 +18,10 @@ pub(crate) fn key_or_new(connection: &Connection, name: &str) -> Result<i64, Sto
     if name.trim().is_empty() || name.contains('\n') {
         return refuse("the name of a group is a line of text");
     }
-    connection.execute("INSERT OR IGNORE INTO trainee_group (name) VALUES (?1)", [name])?;
+    connection.execute(
+        "INSERT OR IGNORE INTO trainee_group (name) VALUES (?1)",
+        [name],
+    )?;
     key(connection, name)?.ok_or_else(|| StoreError::Other("a group is gone again".into()))
 }
 
@@ -62,15 +66,26 @@ impl Store {
     ///
     /// # Errors
     /// Those of the database.
-    pub fn change_group(&mut self, name: &str, add: &[Id], remove: &[Id]) -> Result<(), StoreError> {
+    pub fn change_group(
+        &mut self,
+        name: &str,
+        add: &[Id],
+        remove: &[Id],
+    ) -> Result<(), StoreError> {
         let transaction = self.write()?;
         let group = match add.is_empty() {
             true => must_be(&transaction, name)?,
             false => key_or_new(&transaction, name)?,
         };
         for (ids, sql) in [
-            (add, "INSERT OR IGNORE INTO membership (trainee_group, trainee) VALUES (?1, ?2)"),
-            (remove, "DELETE FROM membership WHERE trainee_group = ?1 AND trainee = ?2"),
+            (
+                add,
+                "INSERT OR IGNORE INTO membership (trainee_group, trainee) VALUES (?1, ?2)",
+            ),
+            (
+                remove,
+                "DELETE FROM membership WHERE trainee_group = ?1 AND trainee = ?2",
+            ),
         ] {
             for id in ids {
                 let Some(trainee) = trainee::key(&transaction, *id)? else {

@@ -85,7 +85,13 @@ mod tests {
         assert_eq!(id.to_string(), "00112233445566778899aabbccddeeff");
         assert_eq!(id.short(), "00112233");
         assert_eq!(Id::parse(&id.to_string()), Some(id));
-        for text in ["", "00112233", "00112233445566778899AABBCCDDEEFF", "g0112233445566778899aabbccddeeff", "ä112233445566778899aabbccddeef"] {
+        for text in [
+            "",
+            "00112233",
+            "00112233445566778899AABBCCDDEEFF",
+            "g0112233445566778899aabbccddeeff",
+            "ä112233445566778899aabbccddeef",
+        ] {
             assert_eq!(Id::parse(text), None, "{text}");
         }
     }

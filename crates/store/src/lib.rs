@@ -30,6 +30,7 @@ mod course;
 mod document;
 mod erase;
 mod error;
+mod export;
 mod group;
 mod id;
 mod near;

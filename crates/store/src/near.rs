@@ -56,7 +56,8 @@ mod tests {
     fn slips_are_found_and_strangers_are_not() {
         let names = ["A. Muster", "B. Muster", "Élodie Martin", "李 小龍"].map(String::from);
         assert_eq!(near("a muster", &names)[0], "A. Muster");
-        assert_eq!(near("A. Mustre", &names), ["A. Muster", "B. Muster"]);
+        // Two letters are in each other's place: a distance of 2, and of 3 from the other name, of 7 letters.
+        assert_eq!(near("A. Mustre", &names), ["A. Muster"]);
         assert_eq!(near("Muster", &names), ["A. Muster", "B. Muster"]);
         assert_eq!(near("elodie martin", &names), ["Élodie Martin"]);
         assert_eq!(near("Nobody Else", &names), [""; 0]);

@@ -51,7 +51,10 @@ pub(crate) fn put(connection: &Connection, record: &PopulationRecord) -> Result<
         params![record.module, record.level, record.metric, record.source, record.n, record.mean, record.deviation],
         |row| row.get(0),
     )?;
-    connection.execute("DELETE FROM population_percentile WHERE population = ?1", [key])?;
+    connection.execute(
+        "DELETE FROM population_percentile WHERE population = ?1",
+        [key],
+    )?;
     for (percent, value) in &record.percentiles {
         connection.execute(
             "INSERT INTO population_percentile VALUES (?1, ?2, ?3)",
@@ -78,7 +81,10 @@ impl Store {
     ///
     /// # Errors
     /// Those of the database.
-    pub fn populations(&self, of: Option<(&str, u32)>) -> Result<Vec<PopulationRecord>, StoreError> {
+    pub fn populations(
+        &self,
+        of: Option<(&str, u32)>,
+    ) -> Result<Vec<PopulationRecord>, StoreError> {
         let mut statement = self.connection.prepare(
             "SELECT key, module, level, metric, source, n, mean, deviation FROM population
             WHERE ?1 IS NULL OR (module = ?1 AND level = ?2) ORDER BY module, level, metric, source",

@@ -236,7 +236,9 @@ impl Store {
                 "no session \"{asked}\" in the store; expected the beginning of an id as `microsim results` shows it, or the file of a session"
             )),
             1 => Ok(found.remove(0)),
-            n => refuse(format!("{n} sessions begin with \"{asked}\"; give more of the id")),
+            n => refuse(format!(
+                "{n} sessions begin with \"{asked}\"; give more of the id"
+            )),
         }
     }
 

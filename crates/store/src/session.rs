@@ -178,8 +178,7 @@ pub(crate) fn enter(connection: &Connection, session: &Session) -> Result<(), St
         let sql = format!("DELETE FROM {table} WHERE session = ?1");
         connection.prepare_cached(&sql)?.execute([key])?;
     }
-    let mut insert =
-        connection.prepare_cached("INSERT INTO category_score VALUES (?1, ?2, ?3)")?;
+    let mut insert = connection.prepare_cached("INSERT INTO category_score VALUES (?1, ?2, ?3)")?;
     for (category, score) in &session.categories {
         insert.execute(params![key, category, score])?;
     }
@@ -332,7 +331,8 @@ impl Store {
             )?;
             enter(&transaction, session)?;
         }
-        let all: i64 = transaction.query_row("SELECT count(*) FROM session", [], |row| row.get(0))?;
+        let all: i64 =
+            transaction.query_row("SELECT count(*) FROM session", [], |row| row.get(0))?;
         transaction.commit()?;
         Ok(all - sessions.len() as i64)
     }

@@ -44,6 +44,9 @@ impl Store {
                     attempt += 1;
                     std::thread::sleep(PAUSE);
                 }
+                Err(StoreError::CannotOpen(_)) if !can_be_written(path) => {
+                    return Err(StoreError::ReadOnly);
+                }
                 opened => return opened,
             }
         }
@@ -90,7 +93,11 @@ impl Store {
         let opened = match opened {
             // In a read-only folder no log can be made. Without one nobody writes, and the file is all there is.
             Err(StoreError::CannotOpen(_) | StoreError::ReadOnly) if !log_of(path).exists() => {
-                Self::read_with(path, immutable(path).into(), READ | OpenFlags::SQLITE_OPEN_URI)
+                Self::read_with(
+                    path,
+                    immutable(path).into(),
+                    READ | OpenFlags::SQLITE_OPEN_URI,
+                )
             }
             opened => opened,
         };
@@ -258,6 +265,11 @@ fn create_empty(path: &Path) -> Result<(), StoreError> {
     }
 }
 
+/// Whether the system lets this user write the file.
+fn can_be_written(path: &Path) -> bool {
+    fs::OpenOptions::new().append(true).open(path).is_ok()
+}
+
 fn name_of_copy(path: &Path, version: i64) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(format!(".version-{version}"));
@@ -285,7 +297,9 @@ mod tests {
     ];
 
     fn seven(store: &Store) -> String {
-        let read = store.connection.query_row("SELECT y FROM a", [], |row| row.get(0));
+        let read = store
+            .connection
+            .query_row("SELECT y FROM a", [], |row| row.get(0));
         read.expect("a row")
     }
 
@@ -299,7 +313,10 @@ mod tests {
         assert_eq!((store.version(), seven(&store)), (Ok(2), "seven".into()));
         let copy = Connection::open(name_of_copy(&path, 1)).expect("the copy");
         assert_eq!(version(&copy), Ok(1));
-        let columns = copy.prepare("SELECT * FROM a").expect("a table").column_count();
+        let columns = copy
+            .prepare("SELECT * FROM a")
+            .expect("a table")
+            .column_count();
         assert_eq!(columns, 1);
     }
 
@@ -309,10 +326,17 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("store.sqlite");
         drop(Store::open_with(&path, &STEPS[..1]).expect("version 1"));
-        let wrong = [STEPS[0], "ALTER TABLE a ADD COLUMN y TEXT; INSERT INTO nothing VALUES (1);"];
+        let wrong = [
+            STEPS[0],
+            "ALTER TABLE a ADD COLUMN y TEXT; INSERT INTO nothing VALUES (1);",
+        ];
         assert!(Store::open_with(&path, &wrong).is_err());
         let store = Store::open_with(&path, &STEPS[..1]).expect("version 1");
-        let columns = store.connection.prepare("SELECT * FROM a").expect("a table").column_count();
+        let columns = store
+            .connection
+            .prepare("SELECT * FROM a")
+            .expect("a table")
+            .column_count();
         assert_eq!((store.version(), columns), (Ok(1), 1));
     }
 
@@ -321,7 +345,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("store.sqlite");
         drop(Store::open_with(&path, &STEPS).expect("version 2"));
-        let error = Store::open_with(&path, &STEPS[..1]).map(drop).expect_err("too new");
+        let error = Store::open_with(&path, &STEPS[..1])
+            .map(drop)
+            .expect_err("too new");
         assert_eq!(error, StoreError::Newer { found: 2, known: 1 });
         assert!(error.to_string().contains("version 2") && error.to_string().contains("up to 1"));
     }
@@ -343,7 +369,9 @@ mod tests {
             .expect("set");
         let transaction = store.write().expect("a transaction");
         let long = "x".repeat(100_000);
-        let error = transaction.execute("INSERT INTO a VALUES (?1)", [long]).expect_err("full");
+        let error = transaction
+            .execute("INSERT INTO a VALUES (?1)", [long])
+            .expect_err("full");
         assert_eq!(StoreError::from(error), StoreError::Full);
         drop(transaction);
         drop(store);
@@ -362,7 +390,10 @@ mod tests {
         let path = folder.path().join("store.sqlite");
         let mut store = Store::open(&path).expect("a store");
         let other = Store::open(&path).expect("a store");
-        other.connection.execute_batch("BEGIN IMMEDIATE").expect("a lock");
+        other
+            .connection
+            .execute_batch("BEGIN IMMEDIATE")
+            .expect("a lock");
         store.connection.busy_timeout(WAIT).expect("set");
         assert_eq!(store.write().map(drop), Err(StoreError::Busy));
         other.connection.execute_batch("COMMIT").expect("released");
@@ -375,7 +406,11 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a/store.sqlite");
         let _store = Store::open(&path).expect("a store");
-        for (file, mode) in [(path.clone(), 0o600), (log_of(&path), 0o600), (folder.path().join("a"), 0o700)] {
+        for (file, mode) in [
+            (path.clone(), 0o600),
+            (log_of(&path), 0o600),
+            (folder.path().join("a"), 0o700),
+        ] {
             let found = fs::metadata(&file).expect("a file").permissions().mode() & 0o777;
             assert_eq!(found, mode, "{}", file.display());
         }
@@ -386,7 +421,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("store.sqlite");
         let other = Connection::open(&path).expect("a database");
-        other.execute_batch("CREATE TABLE theirs (x)").expect("a table");
+        other
+            .execute_batch("CREATE TABLE theirs (x)")
+            .expect("a table");
         drop(other);
         let before = fs::read(&path).expect("a file");
         let error = Store::open(&path).map(drop).expect_err("not ours");

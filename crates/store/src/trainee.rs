@@ -143,11 +143,19 @@ impl Store {
             ));
         }
         if key(&transaction, trainee.id)?.is_some() {
-            return refuse(format!("there is a trainee of the id {} already", trainee.id));
+            return refuse(format!(
+                "there is a trainee of the id {} already",
+                trainee.id
+            ));
         }
         transaction.execute(
             "INSERT INTO trainee (id, name, role, created) VALUES (?1, ?2, ?3, ?4)",
-            params![trainee.id, trainee.name, trainee.role.name(), trainee.created],
+            params![
+                trainee.id,
+                trainee.name,
+                trainee.role.name(),
+                trainee.created
+            ],
         )?;
         Ok(transaction.commit()?)
     }
@@ -162,7 +170,10 @@ impl Store {
         if is_taken(&transaction, name)? {
             return refuse(format!("there is a trainee \"{name}\" already"));
         }
-        transaction.execute("UPDATE trainee SET name = ?2 WHERE id = ?1", params![id, name])?;
+        transaction.execute(
+            "UPDATE trainee SET name = ?2 WHERE id = ?1",
+            params![id, name],
+        )?;
         Ok(transaction.commit()?)
     }
 
@@ -232,7 +243,8 @@ impl Store {
             let groups: Option<String> = row.get(4)?;
             Ok(ListedTrainee {
                 trainee: read(row)?,
-                groups: groups.map_or_else(Vec::new, |g| g.split('\n').map(str::to_owned).collect()),
+                groups: groups
+                    .map_or_else(Vec::new, |g| g.split('\n').map(str::to_owned).collect()),
                 sessions: row.get(5)?,
                 last: row.get(6)?,
             })

@@ -50,7 +50,9 @@ impl<W: Write + Send> TableWriter<W> {
     pub fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), TableError> {
         let fits = |(column, cell): (&Column, &Cell<'_>)| cell.is_of(column.kind);
         if cells.len() != self.columns.len() || !self.columns.iter().zip(cells).all(fits) {
-            return Err(TableError("a row that is not of the table's columns".into()));
+            return Err(TableError(
+                "a row that is not of the table's columns".into(),
+            ));
         }
         match &mut self.file {
             File::Csv(file) => file.row(cells).map_err(error),
@@ -82,17 +84,39 @@ mod tests {
     use parquet::record::Field;
 
     const COLUMNS: [Column; 4] = [
-        Column { name: "name", kind: Kind::Text },
-        Column { name: "level", kind: Kind::Integer },
-        Column { name: "value_m", kind: Kind::Real },
-        Column { name: "passed", kind: Kind::Flag },
+        Column {
+            name: "name",
+            kind: Kind::Text,
+        },
+        Column {
+            name: "level",
+            kind: Kind::Integer,
+        },
+        Column {
+            name: "value_m",
+            kind: Kind::Real,
+        },
+        Column {
+            name: "passed",
+            kind: Kind::Flag,
+        },
     ];
 
     fn rows() -> [[Cell<'static>; 4]; 3] {
         [
-            [Cell::Text("=A. \"Muster\",\n李"), Cell::Integer(-3), Cell::Real(0.1 + 0.2), Cell::Flag(true)],
+            [
+                Cell::Text("=A. \"Muster\",\n李"),
+                Cell::Integer(-3),
+                Cell::Real(0.1 + 0.2),
+                Cell::Flag(true),
+            ],
             [Cell::Empty, Cell::Empty, Cell::Empty, Cell::Empty],
-            [Cell::Text(""), Cell::Integer(i64::MAX), Cell::Real(1e-300), Cell::Flag(false)],
+            [
+                Cell::Text(""),
+                Cell::Integer(i64::MAX),
+                Cell::Real(1e-300),
+                Cell::Flag(false),
+            ],
         ]
     }
 
@@ -126,7 +150,12 @@ mod tests {
         let rows: Vec<Vec<Field>> = reader
             .get_row_iter(None)
             .expect("rows")
-            .map(|row| row.expect("a row").get_column_iter().map(|(_, f)| f.clone()).collect())
+            .map(|row| {
+                row.expect("a row")
+                    .get_column_iter()
+                    .map(|(_, f)| f.clone())
+                    .collect()
+            })
             .collect();
         assert_eq!(
             rows[0],
@@ -137,7 +166,10 @@ mod tests {
                 Field::Bool(true)
             ]
         );
-        assert_eq!(rows[1], [Field::Null, Field::Null, Field::Null, Field::Null]);
+        assert_eq!(
+            rows[1],
+            [Field::Null, Field::Null, Field::Null, Field::Null]
+        );
         assert_eq!(rows[2][0], Field::Str(String::new()));
         assert_eq!(rows[2][1], Field::Long(i64::MAX));
     }
@@ -145,7 +177,10 @@ mod tests {
     /// More rows than a group has.
     #[test]
     fn long_tables_have_all_rows() {
-        let columns = [Column { name: "n", kind: Kind::Integer }];
+        let columns = [Column {
+            name: "n",
+            kind: Kind::Integer,
+        }];
         let mut table = TableWriter::new(Format::Parquet, &columns, Vec::new()).expect("memory");
         let count = 150_000;
         for n in 0..count {
@@ -154,7 +189,12 @@ mod tests {
         let bytes = bytes::Bytes::from(table.finish().expect("memory"));
         let reader = SerializedFileReader::new(bytes).expect("a file");
         let rows = reader.get_row_iter(None).expect("rows");
-        let values = rows.map(|row| row.expect("a row").get_column_iter().next().map(|(_, f)| f.clone()));
+        let values = rows.map(|row| {
+            row.expect("a row")
+                .get_column_iter()
+                .next()
+                .map(|(_, f)| f.clone())
+        });
         assert!(values.eq((0..count).map(|n| Some(Field::Long(n)))));
     }
 

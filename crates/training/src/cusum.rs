@@ -114,13 +114,22 @@ mod tests {
     #[test]
     fn limits_are_those_of_the_formulas() {
         for ((p0, p1, alpha, beta), [s, h0, h1]) in [
-            ((0.05, 0.15, 0.1, 0.1), [0.0919343268417854, 1.8161313463164297, 1.8161313463164297]),
-            ((0.1, 0.2, 0.05, 0.2), [0.1452443543242726, 1.921428733185704, 3.4190225827029095]),
+            (
+                (0.05, 0.15, 0.1, 0.1),
+                [0.0919343268417854, 1.8161313463164297, 1.8161313463164297],
+            ),
+            (
+                (0.1, 0.2, 0.05, 0.2),
+                [0.1452443543242726, 1.921428733185704, 3.4190225827029095],
+            ),
         ] {
             let plan = CusumPlan::new(p0, p1, alpha, beta).expect("a plan");
             for (found, expected) in [(plan.step(), s), (-plan.lower(), h0), (plan.upper(), h1)] {
                 // A few roundings of numbers of this size.
-                assert!((found - expected).abs() < 8.0 * f64::EPSILON, "{found} {expected}");
+                assert!(
+                    (found - expected).abs() < 8.0 * f64::EPSILON,
+                    "{found} {expected}"
+                );
             }
         }
         assert_eq!(CusumPlan::new(0.15, 0.05, 0.1, 0.1), None);

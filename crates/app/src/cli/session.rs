@@ -1,6 +1,6 @@
 //! Commands that make sessions, and that show them.
 
-use super::value::{table_path, parse_input, parse_level, parse_rate, parse_seconds, utf8_path};
+use super::value::{parse_input, parse_level, parse_rate, parse_seconds, table_path, utf8_path};
 use clap::Args;
 use microsim_host::assemble::Input;
 use std::path::PathBuf;

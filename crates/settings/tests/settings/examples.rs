@@ -212,8 +212,17 @@ fn shipped_files_are_right() {
     assert_eq!(names.collect::<Vec<_>>(), ["expert", "novice"]);
 
     let course = load_course(&config.join("courses/first-steps.toml")).expect("a course");
-    let steps = course.settings.step.iter().map(|s| (s.module.as_str(), s.level));
-    let expected = [("touch-spheres", 1), ("guide-path", 1), ("push-strip", 1), ("push-strip", 2)];
+    let steps = course
+        .settings
+        .step
+        .iter()
+        .map(|s| (s.module.as_str(), s.level));
+    let expected = [
+        ("touch-spheres", 1),
+        ("guide-path", 1),
+        ("push-strip", 1),
+        ("push-strip", 2),
+    ];
     assert_eq!(steps.collect::<Vec<_>>(), expected);
 
     for name in ["dilator", "forceps", "micro-scissors", "probe"] {
