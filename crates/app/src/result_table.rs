@@ -127,23 +127,17 @@ fn rows<W: Write + Send>(
         Cell::Real(session.duration),
         session.score.into(),
     ];
-    let mut row = of_session.to_vec();
-    let of_session = row.len();
-    let mut add = |measured: Option<&Measured>| {
-        row.truncate(of_session);
-        match measured {
-            None => row.resize(COLUMNS.len(), Cell::Empty),
-            Some(measured) => row.extend(of_metric(measured)),
-        }
+    let whole = |of_metric: &[Cell<'_>], table: &mut TableWriter<W>| {
+        let mut row = of_session.to_vec();
+        row.extend_from_slice(of_metric);
+        row.resize(COLUMNS.len(), Cell::Empty);
         table.row(&row)
     };
     if session.metrics.is_empty() {
-        return add(None);
+        return whole(&[], table);
     }
-    session
-        .metrics
-        .iter()
-        .try_for_each(|measured| add(Some(measured)))
+    let mut metrics = session.metrics.iter();
+    metrics.try_for_each(|measured| whole(&of_metric(measured), table))
 }
 
 fn of_metric(measured: &Measured) -> [Cell<'_>; 11] {

@@ -312,3 +312,51 @@ fn an_export_gives_back_what_sessions_do_not_hold() {
     );
     assert_eq!(station.results(), results);
 }
+
+/// Sessions of earlier versions hold a name and no id: they are entered for the trainee of that name, who is added if there is none, with the same ids
+/// whenever they are read again.
+#[test]
+fn sessions_that_hold_a_name_are_entered() {
+    let station = Station::new();
+    station
+        .run("1", "pass", &["--no-store"])
+        .output()
+        .expect("a run");
+    let bytes = fs::read(station.session("1")).expect("a session");
+    for (file, name) in [
+        ("old-1", "C. Früher"),
+        ("old-2", "C. Früher"),
+        ("old-3", "D. Früher"),
+    ] {
+        let old = microsim_tests::alter::change_header(&bytes, |header| {
+            header.trainee = Some(name.into());
+            header.started += u64::from(file.as_bytes()[4]);
+            (header.id, header.unlisted) = (None, false);
+        });
+        fs::write(station.session(file), old).expect("a session");
+    }
+    station.microsim(&["store", "rebuild"]).expect(0);
+    let found = station
+        .microsim(&["results", "--trainee", "C. Früher", "--json"])
+        .expect(0)
+        .json();
+    assert_eq!(found["results"].as_array().map(Vec::len), Some(2));
+    let results = station.results();
+    assert_eq!(results.len(), 3);
+    for end in ["", "-wal", "-shm"] {
+        let mut name = station.store().into_os_string();
+        name.push(end);
+        let _ = fs::remove_file(name);
+    }
+    station.microsim(&["store", "rebuild"]).expect(0);
+    assert_eq!(station.results(), results);
+    // Nothing but erasing takes the name out of such a session.
+    let anonymised = station
+        .microsim(&["trainees", "anonymise", "C. Früher", "--yes", "--json"])
+        .expect(0)
+        .json();
+    assert_eq!(
+        anonymised["sessions_with_name"].as_array().map(Vec::len),
+        Some(2)
+    );
+}
