@@ -16,9 +16,9 @@ use microsim_host::parallel::Parallel;
 use microsim_host::run::RunError;
 use microsim_message::{Message, TrainingResult};
 use microsim_tests::in_process::{plan, tick};
+use microsim_tests::measured::thread_time;
 use microsim_tests::statistics::percentile;
 use microsim_tests::{command, repository, scratch, tree};
-use rustix::time::{ClockId, clock_gettime};
 use std::cell::RefCell;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -31,8 +31,7 @@ const PICTURE: u64 = 16_000_000;
 
 /// CPU time of this thread \[ms\].
 fn now() -> f64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    1e3 * time.tv_sec as f64 + 1e-6 * time.tv_nsec as f64
+    1e3 * thread_time()
 }
 
 thread_local! {

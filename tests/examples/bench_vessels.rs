@@ -6,6 +6,7 @@
 use microsim_mesh::{Arc, CellSplit, Layer, TetMesh, Tube};
 use microsim_scene::{Runner, Scene, Serial, scene_spec};
 use microsim_settings::{Override, load_scene};
+use microsim_tests::measured::thread_time as now;
 use microsim_tests::repository;
 use microsim_tests::statistics::percentile;
 use microsim_tissue::law::{HolzapfelParameters, LawName, MaterialLaw};
@@ -14,15 +15,8 @@ use microsim_tissue::{
     Solver, State, TissueModel, build_model,
 };
 use nalgebra::Vector3;
-use rustix::time::{ClockId, clock_gettime};
 use std::fmt::Write as _;
 use std::process::ExitCode;
-
-/// CPU time of this thread \[s\].
-fn now() -> f64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
-}
 
 /// Rounds over all laws.
 const ROUNDS: usize = 200;

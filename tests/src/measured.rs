@@ -1,5 +1,6 @@
 //! CPU time and memory of the program, as the kernel counts them.
 
+use rustix::time::{ClockId, clock_gettime};
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -9,6 +10,12 @@ const LOOK: Duration = Duration::from_millis(5);
 
 /// Clock ticks of the kernel per second in `/proc`: 100 on every Linux (`USER_HZ`).
 const HERTZ: f64 = 100.0;
+
+/// CPU time of this thread so far \[s\].
+pub fn thread_time() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
 
 /// What a command cost.
 #[derive(Clone, Copy, Debug)]

@@ -84,6 +84,12 @@ pub const BENCHES: &[Program] = &[
         shows: "50,000 results: finding those of a trainee, export, import, size",
     },
     Program {
+        name: "dissertation",
+        package: TESTS,
+        example: "bench_dissertation",
+        shows: "figures of the dissertation, with its methods and with ours",
+    },
+    Program {
         name: "peers",
         package: TESTS,
         example: "bench_peers",

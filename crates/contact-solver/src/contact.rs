@@ -7,6 +7,23 @@
 
 use nalgebra::Vector3;
 
+/// Where the force of a contact comes from. All but [`Response::Constraint`] are for explicit methods, without friction, and are here to be compared with it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Response {
+    /// All such contacts of a step together: no gap below its floor, no force where one is above it.
+    #[default]
+    Constraint,
+    /// A spring between each side and the surface half-way between them, by the gap g at the start of the step (dissertation 4.3): λ = −½ k g; where the
+    /// other side is rigid, one spring to it: λ = −k g.
+    Penalty {
+        /// k \[N/m\], above 0.
+        stiffness: f64,
+    },
+    /// The force that by itself brings the gap to its floor at the end of the step (Gissler, Becker, Teschner 2006; dissertation 4.9, 4.10; NUMERICS 2).
+    /// Contacts that have nodes in common do not know of each other.
+    TargetForce,
+}
+
 /// A point of contact between a side that is made of nodes and another one, of nodes or rigid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
@@ -26,6 +43,8 @@ pub struct Contact {
     /// The gap at the start of the step \[m\], for the same nodes, weights and normal; below 0 for an old overlap, whose undoing leaves
     /// no velocity and counts in no force.
     pub start_gap: f64,
+    /// Where its force comes from.
+    pub response: Response,
     /// μ, ≥ 0.
     pub friction: f64,
     /// Displacement of a rigid other side at the point from the start of the step to the time the contact was found for \[m\].
@@ -50,6 +69,7 @@ impl Contact {
             offset,
             floor: 0.0,
             start_gap: 0.0,
+            response: Response::Constraint,
             friction: 0.0,
             drift: Vector3::zeros(),
             normal_force: 0.0,

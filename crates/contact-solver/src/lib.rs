@@ -37,7 +37,7 @@ mod vectors;
 
 pub use augmented_lagrangian::AugmentedLagrangian;
 pub use components::{Components, Groups};
-pub use contact::{Contact, ContactSource, ContactStep};
+pub use contact::{Contact, ContactSource, ContactStep, Response};
 pub use gauss_seidel::{GapConstraint, GaussSeidel, NodalResponse};
 pub use interior_point::InteriorPoint;
 pub use nodal::{NodalCompliance, NodalSystem};

@@ -44,6 +44,12 @@ impl NodalCompliance {
 }
 
 impl NodalRow {
+    /// A contact that moves nothing.
+    pub const INERT: Self = Self {
+        response: [0.0; 4],
+        compliance: 0.0,
+    };
+
     /// Moves the nodes of its contact by a force.
     #[inline]
     pub fn shift(&self, contact: &Contact, force: &Vector3<f64>, values: &mut [Vector3<f64>]) {

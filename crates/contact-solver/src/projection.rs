@@ -8,9 +8,9 @@
 //! without velocity and force: components that no clamp holds are taken out as a whole, which costs no elastic energy, and what then
 //! remains is pushed out at a speed that tissue follows (Guendelman, Bridson, Fedkiw 2003 push bodies in the same manner).
 
-use crate::contact::{Contact, ContactStep};
+use crate::contact::{Contact, ContactStep, Response};
 use crate::gauss_seidel::{GapConstraint, GaussSeidel, NodalResponse};
-use crate::nodal::NodalCompliance;
+use crate::nodal::{NodalCompliance, NodalRow};
 use crate::options::ContactOptions;
 use crate::rigid_components::RigidComponents;
 use crate::solver::ContactSolver;
@@ -89,6 +89,7 @@ impl Projection {
         }
         self.before.copy_from_slice(positions);
         self.begin(&mut step.contacts, &compliance);
+        self.respond_singly(&mut step.contacts, positions);
         let constraint = GapConstraint::Positions { start };
         self.enforce(constraint, self.sweeps(), &mut step.contacts, positions);
         for (change, x) in self.before.iter_mut().zip(&*positions) {
@@ -97,6 +98,36 @@ impl Projection {
         let held = |node| compliance(node) == 0.0;
         self.undo_overlaps(&step.contacts, held, h, positions);
         true
+    }
+
+    /// Moves `positions` by the forces of contacts that are no constraints, each found from where the step without contact ends, as if it were
+    /// alone; nothing else moves them then.
+    fn respond_singly(&mut self, contacts: &mut [Contact], positions: &mut [Vector3<f64>]) {
+        let rows = &mut self.compliance.rows;
+        for (contact, row) in contacts.iter_mut().zip(&*rows) {
+            contact.normal_force = match contact.response {
+                Response::Constraint => continue,
+                Response::Penalty { stiffness } => {
+                    let own = match contact.other_side() {
+                        Some(_) => 0.5,
+                        None => 1.0,
+                    };
+                    (-stiffness * own * contact.start_gap).max(0.0)
+                }
+                Response::TargetForce if row.compliance > 0.0 => {
+                    let missing = contact.floor - contact.gap(positions);
+                    (missing / row.compliance).max(0.0)
+                }
+                Response::TargetForce => 0.0,
+            };
+        }
+        for (contact, row) in contacts.iter_mut().zip(rows) {
+            if contact.response != Response::Constraint {
+                row.shift(contact, &(contact.normal * contact.normal_force), positions);
+                *row = NodalRow::INERT;
+                contact.floor = f64::NEG_INFINITY;
+            }
+        }
     }
 
     /// The displacement \[m\] of each node by the forces of the last [`project`](Self::project), or the change of its velocity \[m/s\] by
@@ -117,7 +148,10 @@ impl Projection {
         self.before.copy_from_slice(velocities);
         let mut closed = std::mem::take(&mut self.closed);
         closed.clear();
-        closed.extend(contacts.iter().filter(|contact| contact.normal_force > 0.0));
+        let is_closed = |contact: &&Contact| {
+            contact.normal_force > 0.0 && contact.response == Response::Constraint
+        };
+        closed.extend(contacts.iter().filter(is_closed));
         self.begin(&mut closed, inverse_mass);
         let constraint = GapConstraint::Velocities { h };
         self.enforce(constraint, self.sweeps(), &mut closed, velocities);

@@ -2,12 +2,13 @@
 
 use crate::body::Body;
 use crate::body_pair::{self, BodyPair};
+use crate::broad_phase::BroadPhaseMethod;
 use crate::capsule_motion::CapsuleMotion;
 use crate::features::Features;
 use crate::frame::Frame;
 use crate::node_face::Pass;
 use crate::obstacle::ObstaclePart;
-use crate::pair::{ContactPair, VesselEnd};
+use crate::pair::{ContactPair, Detection, VesselEnd};
 use crate::point::Point;
 use crate::surface::ContactSurface;
 use crate::surface_update::SurfaceUpdate;
@@ -58,6 +59,7 @@ pub struct Detector {
 #[derive(Clone, Debug)]
 struct Pair {
     touch: ContactPair,
+    detection: Detection,
     passes: [Pass; 2],
 }
 
@@ -93,6 +95,7 @@ impl Detector {
         }
         let pairs = pairs.into_iter().map(|touch| Pair {
             touch,
+            detection: Detection::default(),
             passes: Default::default(),
         });
         Self {
@@ -102,6 +105,15 @@ impl Detector {
             features: Features::default(),
             inside: Vec::new(),
         }
+    }
+
+    /// The same detector with another broad phase.
+    #[must_use]
+    pub fn with_broad_phase(mut self, broad_phase: BroadPhaseMethod) -> Self {
+        for body in &mut self.bodies {
+            body.tree.set_broad_phase(broad_phase, &body.surface);
+        }
+        self
     }
 
     /// Updates a body after an edit of its mesh; those behind it in the group are updated as well, as their nodes have other numbers.
@@ -122,6 +134,23 @@ impl Detector {
                     ends: of_pair,
                 } if [*body, *with] == pair => *of_pair = Some(ends.clone()),
                 _ => {}
+            }
+        }
+    }
+
+    /// Gives the pair of two bodies, in this order, or of a body and itself, another detection.
+    pub fn set_detection(&mut self, bodies: [u32; 2], of: Detection) {
+        for Pair {
+            touch, detection, ..
+        } in &mut self.pairs
+        {
+            let touching = match *touch {
+                ContactPair::Bodies { body, with, .. } => [body, with],
+                ContactPair::Itself { body } => [body, body],
+                ContactPair::Tool { .. } | ContactPair::Obstacle { .. } => continue,
+            };
+            if touching == bodies {
+                *detection = of;
             }
         }
     }
@@ -168,7 +197,12 @@ impl Detector {
                 tree.build(surface);
             }
         }
-        for Pair { touch, passes } in &mut self.pairs {
+        for Pair {
+            touch,
+            detection,
+            passes,
+        } in &mut self.pairs
+        {
             let (features, inside) = (&mut self.features, &mut self.inside);
             match touch {
                 &mut ContactPair::Tool { body, tool } => {
@@ -198,6 +232,11 @@ impl Detector {
                         second: first,
                         frame,
                     };
+                    if let Detection::Discrete(depth) = *detection {
+                        passes[0].find_inside(there, depth, points);
+                        passes[1].find_inside(back, depth, points);
+                        continue;
+                    }
                     passes[0].find(there, other, points);
                     passes[1].find(back, own, points);
                     let [there_direction, back_direction] = passes;
@@ -210,6 +249,10 @@ impl Detector {
                         second: body,
                         frame,
                     };
+                    if let Detection::Discrete(depth) = *detection {
+                        passes[0].find_inside(itself, depth, points);
+                        continue;
+                    }
                     passes[0].find(itself, None, points);
                     passes[0].find_edges(None, itself, points);
                 }

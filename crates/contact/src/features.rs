@@ -1,7 +1,8 @@
 //! The features of a surface that are near something, each once.
 
+use crate::broad_phase::Boxes;
 use crate::surface::ContactSurface;
-use microsim_geometry::{Aabb, BroadPhase, Bvh};
+use microsim_geometry::{Aabb, BroadPhase};
 
 /// The features near a box, ascending.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +14,7 @@ pub(crate) struct Features {
 
 impl Features {
     /// Finds the triangles whose boxes overlap `bounds`, with their edges and nodes.
-    pub fn find(&mut self, surface: &ContactSurface, triangles: &Bvh, bounds: &Aabb) {
+    pub fn find(&mut self, surface: &ContactSurface, triangles: &Boxes, bounds: &Aabb) {
         triangles.query(bounds, &mut self.triangles);
         self.edges.clear();
         self.nodes.clear();

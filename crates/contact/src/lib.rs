@@ -7,6 +7,7 @@
 
 mod body;
 mod body_pair;
+mod broad_phase;
 mod capsule_motion;
 mod depth;
 mod detector;
@@ -30,11 +31,12 @@ mod tests;
 mod tool_contact;
 mod tree;
 
+pub use broad_phase::BroadPhaseMethod;
 pub use capsule_motion::CapsuleMotion;
 pub use detector::Detector;
 pub use frame::Frame;
 pub use obstacle::{ObstaclePart, ObstacleShape};
-pub use pair::{ContactPair, VesselEnd};
+pub use pair::{ContactPair, Depth, Detection, VesselEnd};
 pub use point::{Key, Partner, Point};
 pub use sides::Sides;
 pub use surface::ContactSurface;

@@ -7,7 +7,7 @@
 use crate::body_pair::{BAND, BodyPair, EdgePair, edge_reach, reach};
 use crate::depth::{Depths, crossing, nearest};
 use crate::near::Near;
-use crate::pair::VesselEnd;
+use crate::pair::{Depth, VesselEnd};
 use crate::point::Point;
 use microsim_geometry::{
     Motion, TrianglePoint, closest_on_triangle, first_contact_point_triangle, triangle_normal,
@@ -73,6 +73,52 @@ impl Pass {
         if self.depths.nodes.iter().all(|deep| self.is_done(deep.node)) {
             return;
         }
+        self.exit_consistently(pair, points);
+    }
+
+    /// Adds the points of nodes of the first body that are in the second one at the end of the step, and of no others.
+    pub fn find_inside(&mut self, pair: BodyPair<'_>, depth: Depth, points: &mut Vec<Point>) {
+        let BodyPair {
+            first,
+            second,
+            frame,
+        } = pair;
+        let reach = reach(second, frame);
+        self.near
+            .update(first, second, reach, edge_reach(first, second, reach));
+        self.depths.mark(second, &self.near, frame);
+        self.caught.clear();
+        self.done.clear();
+        if depth == Depth::Consistent {
+            return self.exit_consistently(pair, points);
+        }
+        for deep in &self.depths.nodes {
+            let Some((triangle, at)) = nearest(deep.node, first, second, frame) else {
+                continue;
+            };
+            let offset = at.point - frame.now[deep.node as usize];
+            let distance = offset.norm();
+            if distance > AT_SURFACE * second.surface.mean_edge {
+                let nodes = &second.surface.triangles[triangle as usize];
+                pair.add(
+                    deep.node,
+                    nodes,
+                    &at,
+                    &(offset / distance),
+                    -distance,
+                    points,
+                );
+            }
+        }
+    }
+
+    /// Adds the points of the nodes inside that have none yet, by their consistent depths.
+    fn exit_consistently(&mut self, pair: BodyPair<'_>, points: &mut Vec<Point>) {
+        let BodyPair {
+            first,
+            second,
+            frame,
+        } = pair;
         self.depths.solve(first, second, frame);
         let itself = first.index == second.index;
         for deep in &self.depths.nodes {

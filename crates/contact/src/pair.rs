@@ -35,6 +35,25 @@ pub enum ContactPair {
     },
 }
 
+/// How two bodies, or a body and itself, are found to touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detection {
+    /// By what nodes and edges pass through during the step, and by what comes near.
+    #[default]
+    Continuous,
+    /// By nodes that are in tetrahedra at its end (dissertation 4.3): what is thinner than the path of a step is passed through.
+    Discrete(Depth),
+}
+
+/// How deep a node inside is, and in which direction its exit is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// To the nearest point of the surface. Neighbours may exit on different sides.
+    Nearest,
+    /// Consistent penetration depth (Heidelberger et al. 2004): by where the edges of its neighbourhood came in.
+    Consistent,
+}
+
 /// The end of a vessel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VesselEnd {

@@ -1,14 +1,15 @@
 //! Bounding volumes of the triangles and tetrahedra of a body, retained while its nodes move little.
 
+use crate::broad_phase::{Boxes, BroadPhaseMethod, CELL_OF_TETS, CELL_OF_TRIANGLES};
 use crate::frame::Frame;
 use crate::surface::ContactSurface;
-use microsim_geometry::{Aabb, Bvh};
+use microsim_geometry::Aabb;
 use nalgebra::Vector3;
 
 /// Boxes are larger than what is in them by this fraction of the mean edge length, so that they hold it until a node has moved by that much.
 const MARGIN: f64 = 0.1;
 
-/// Hierarchies of boxes around the features of a body.
+/// Boxes around the features of a body, and how those that overlap are found.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     /// Grows with every change of the boxes.
@@ -21,11 +22,11 @@ pub(crate) struct Tree {
     /// The box around the surface over the step.
     pub bounds: Aabb,
     /// The triangles over the step; right after [`build`](Self::build).
-    pub triangles: Bvh,
+    pub triangles: Boxes,
     /// The tetrahedra now, where they are wanted; right after [`build`](Self::build).
-    pub tets: Option<Bvh>,
+    pub tets: Option<Boxes>,
     boxes: Vec<Aabb>,
-    /// The version that the hierarchies are of.
+    /// The version that triangles and tetrahedra are of.
     built: u64,
 }
 
@@ -38,7 +39,7 @@ impl Tree {
             start: Vec::new(),
             now: Vec::new(),
             bounds: Aabb::empty(),
-            triangles: Bvh::new(),
+            triangles: Boxes::new(BroadPhaseMethod::default(), 0.0),
             tets: None,
             boxes: Vec::new(),
             built: 0,
@@ -47,10 +48,20 @@ impl Tree {
 
     /// The tetrahedra are wanted.
     pub fn want_tets(&mut self) {
-        self.tets.get_or_insert_default();
+        self.tets = Some(Boxes::new(BroadPhaseMethod::default(), 0.0));
     }
 
-    /// Updates the hierarchy after an edit: triangles have these indices now, [`u32::MAX`] where they are gone.
+    /// From the next [`build`](Self::build) on boxes are found like this.
+    pub fn set_broad_phase(&mut self, broad_phase: BroadPhaseMethod, surface: &ContactSurface) {
+        let of = |edges: f64| Boxes::new(broad_phase, edges * surface.mean_edge);
+        self.triangles = of(CELL_OF_TRIANGLES);
+        if self.tets.is_some() {
+            self.tets = Some(of(CELL_OF_TETS));
+        }
+        self.built = 0;
+    }
+
+    /// Updates the boxes after an edit: triangles have these indices now, [`u32::MAX`] where they are gone.
     pub fn update_after_edit(&mut self, to: &[u32]) {
         self.triangles.renumber(to);
         // The positions that it was built for are of other nodes.
@@ -87,14 +98,14 @@ impl Tree {
         for nodes in &surface.triangles {
             self.boxes.push(self.swept(surface, nodes));
         }
-        self.triangles.refit(&self.boxes);
-        if let Some(tree) = &mut self.tets {
+        self.triangles.set(&self.boxes);
+        if let Some(tets) = &mut self.tets {
             self.boxes.clear();
             for nodes in &surface.tets {
                 let corners = nodes.map(|node| self.now[(node - surface.offset) as usize]);
                 self.boxes.push(Aabb::of(&corners).inflated(self.margin));
             }
-            tree.refit(&self.boxes);
+            tets.set(&self.boxes);
         }
     }
 

@@ -1,7 +1,7 @@
-//! What both broad phases answer: which boxes overlap a box.
+//! What all broad phases answer: which boxes overlap a box.
 //!
-//! [`crate::SpatialHash`] and [`crate::Bvh`] give the same answers in the same order, so that either can stand where the
-//! other did; the example `broad_phase` measures which is faster where. Boxes are all that a broad phase knows: of a point,
+//! [`crate::SpatialHash`], [`crate::Bvh`] and [`crate::AllPairs`] give the same answers in the same order, so that each can stand where
+//! another did; the example `broad_phase` measures which is faster where. Boxes are all that a broad phase knows: of a point,
 //! an edge, a triangle, a tetrahedron ([`Aabb::of`]), of any of them in motion ([`Aabb::of`] the points before and after),
 //! of a capsule in motion ([`crate::Capsule::swept_bounds`]).
 

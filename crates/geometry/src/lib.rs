@@ -4,13 +4,14 @@
 //! What is here: free functions and small value types on `f64` coordinates \[m\]. What is not: meshes, time, physics,
 //! files. Nothing here can fail: degenerate input (a segment of length zero, a triangle without area) gives the closest
 //! point of what is left of the feature. Every tolerance is a ratio, so all results scale with the input. What is decided (which
-//! side, through or not) is decided without rounding ([`orientation`]); what is measured is rounded in its last digits. Of the two broad phases
-//! contact uses [`Bvh`]: [`SpatialHash`] costs as much or more in what was measured (`cargo run --example broad_phase`), and is better only where
+//! side, through or not) is decided without rounding ([`orientation`]); what is measured is rounded in its last digits. Of the broad phases
+//! contact uses [`Bvh`] unless a scene names another one: [`SpatialHash`] costs as much or more in what was measured (`cargo run --example broad_phase`), and is better only where
 //! everything is new in every step.
 
 #![forbid(unsafe_code)]
 
 mod aabb;
+mod all_pairs;
 mod broad_phase;
 mod bvh;
 mod capsule;
@@ -29,6 +30,7 @@ mod tetrahedron;
 mod triangle;
 
 pub use aabb::Aabb;
+pub use all_pairs::AllPairs;
 pub use broad_phase::BroadPhase;
 pub use bvh::Bvh;
 pub use capsule::Capsule;

@@ -77,10 +77,8 @@ fn measure(cells: [usize; 3], touches: Touches) {
     let mesh = block.mesh().expect("a block");
     let elements = mesh.tets.len();
     let contact = |with| ContactSpec {
-        body: "block".into(),
-        with,
         friction: 0.3,
-        force_limit: f64::INFINITY,
+        ..ContactSpec::new("block", with)
     };
     let mut contacts = vec![contact(PartnerSpec::Obstacle("table".into()))];
     if touches != Touches::Table {
@@ -143,13 +141,9 @@ fn measure(cells: [usize; 3], touches: Touches) {
             tool: "blade".into(),
         }],
         gravity: [0.0; 3],
-        method: Method::StoermerVerlet,
-        repeat_invalid: true,
         containment: false,
         repeat_unconverged: false,
-        tools_touch: false,
-        hand_force: f64::INFINITY,
-        budget: None,
+        ..SceneSpec::new(Vec::new(), Method::StoermerVerlet)
     };
     let runs: Vec<Vec<Tick>> = (0..RUNS)
         .map(|_| run(&spec, edge, size[2], touches))

@@ -200,7 +200,7 @@ impl std::fmt::Display for SceneError {
             Self::Method { body, source } => write!(f, "body '{body}': {source}"),
             Self::Contact { body, method } => write!(
                 f,
-                "body '{body}' is touched, and {method} cannot enforce non-penetration: its force moves a node one step later only; use another method"
+                "body '{body}' is touched, and {method} cannot enforce non-penetration: its force moves a node one step later only; use another method, or contact by penalty"
             ),
             Self::Grip { body, method } => write!(
                 f,

@@ -77,6 +77,7 @@ pub fn scene_spec(
         containment: scene.run.containment,
         repeat_invalid: scene.method.repeat_invalid.unwrap_or(true),
         repeat_unconverged: true,
+        broad_phase: contact::broad_phase(scene.run.broad_phase, scene.run.cell_size),
         tools_touch: scene.run.tools_touch,
         hand_force: scene.run.hand_force.unwrap_or(f64::INFINITY),
         budget: None,
@@ -131,7 +132,7 @@ pub struct LevelParts<'a> {
 /// "#;
 /// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
 /// let level = LevelParts {
-///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, tools_touch: false, hand_force: 1.0, budget: 3.0 },
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, broad_phase: settings.run.broad_phase, cell_size: None, tools_touch: false, hand_force: 1.0, budget: 3.0 },
 ///     method: &settings.method,
 ///     bodies: &settings.body,
 ///     rigid: &[],
@@ -175,6 +176,7 @@ pub fn level_spec(
         containment: true,
         repeat_invalid: level.method.repeat_invalid.unwrap_or(true),
         repeat_unconverged: true,
+        broad_phase: contact::broad_phase(level.physics.broad_phase, level.physics.cell_size),
         tools_touch: level.physics.tools_touch,
         hand_force: level.physics.hand_force,
         budget: Some(level.physics.budget),

@@ -10,7 +10,7 @@ use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
 use crate::stretch_guard::StretchGuard;
 use crate::surface_edits::SurfaceDiff;
-use microsim_contact::ObstaclePart;
+use microsim_contact::{BroadPhaseMethod, ObstaclePart};
 use microsim_tissue::{
     Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
 };
@@ -26,6 +26,8 @@ pub(crate) struct Group {
     pub solver: Box<dyn Solver>,
     /// What is touched; `None` where nothing is.
     pub contact: Option<GroupContact>,
+    /// How what may touch is found.
+    broad_phase: BroadPhaseMethod,
     /// What looks after the step; `None` where stretch does not make it too long.
     guard: Option<StretchGuard>,
     /// What jets press on.
@@ -40,6 +42,7 @@ impl Group {
         bodies: &[Body],
         pairs: &[Pair],
         obstacles: &[ObstaclePart],
+        broad_phase: BroadPhaseMethod,
         method: &Method,
     ) -> Result<Vec<Self>, SceneError> {
         // Each body points to the first one of its group; a few passes reach the end of every chain.
@@ -63,7 +66,7 @@ impl Group {
             let members: Vec<usize> = (0..bodies.len())
                 .filter(|body| first[*body] == leader)
                 .collect();
-            Self::new(&members, bodies, pairs, obstacles, method)
+            Self::new(&members, bodies, pairs, obstacles, broad_phase, method)
         });
         groups.collect()
     }
@@ -73,6 +76,7 @@ impl Group {
         bodies: &[Body],
         pairs: &[Pair],
         obstacles: &[ObstaclePart],
+        broad_phase: BroadPhaseMethod,
         method: &Method,
     ) -> Result<Self, SceneError> {
         let mut members = Vec::with_capacity(indices.len());
@@ -90,7 +94,16 @@ impl Group {
         })?;
         Ok(Self {
             solver,
-            contact: GroupContact::new(&members, bodies, pairs, obstacles, method, model),
+            contact: GroupContact::new(
+                &members,
+                bodies,
+                pairs,
+                obstacles,
+                broad_phase,
+                method,
+                model,
+            ),
+            broad_phase,
             guard: StretchGuard::new(method, model),
             members,
             union,
@@ -135,7 +148,15 @@ impl Group {
         self.renumber(bodies);
         self.update_models(bodies);
         let model = self.model(bodies);
-        self.contact = GroupContact::new(&self.members, bodies, pairs, obstacles, method, model);
+        self.contact = GroupContact::new(
+            &self.members,
+            bodies,
+            pairs,
+            obstacles,
+            self.broad_phase,
+            method,
+            model,
+        );
     }
 
     /// Puts elements that slide where a state of the group has put them.

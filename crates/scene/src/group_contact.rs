@@ -6,10 +6,10 @@ use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
 use crate::surface_edits::SurfaceDiff;
 use microsim_contact::{
-    CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Key, ObstaclePart, Partner, Point,
-    Sides, SurfaceUpdate, VesselEnd,
+    BroadPhaseMethod, CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Key,
+    ObstaclePart, Partner, Point, Sides, SurfaceUpdate, VesselEnd,
 };
-use microsim_tissue::{Contact, ContactSource, Method, TissueModel};
+use microsim_tissue::{Contact, ContactSource, Method, Response, TissueModel};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
@@ -116,8 +116,8 @@ pub(crate) struct GroupContact {
     pair_of: BTreeMap<(u32, Partner), (usize, bool)>,
     /// The pairs of bodies that touch end to end.
     end_to_end: Vec<[u32; 2]>,
-    /// Friction of each pair of the scene.
-    friction: Vec<f64>,
+    /// Friction and response of each pair of the scene.
+    laws: Vec<(f64, Response)>,
     /// The tools that touch anything here.
     tools: Vec<usize>,
     /// Whether only tools touch anything here.
@@ -142,6 +142,7 @@ impl GroupContact {
         bodies: &[Body],
         pairs: &[Pair],
         obstacles: &[ObstaclePart],
+        broad_phase: BroadPhaseMethod,
         method: &Method,
         model: &TissueModel,
     ) -> Option<Self> {
@@ -214,11 +215,26 @@ impl GroupContact {
             true => REACH_EXPLICIT,
             false => REACH_IMPLICIT,
         };
+        let mut detector = Detector::new(surfaces, obstacles.to_vec(), contact_pairs)
+            .with_broad_phase(broad_phase);
+        for pair in pairs {
+            let other = match pair.with {
+                PairPartner::Body(other) => other,
+                PairPartner::Itself => pair.body,
+                PairPartner::Tool(_) | PairPartner::Obstacle { .. } => continue,
+            };
+            if let (Some(own), Some(other)) = (member_of(pair.body), member_of(other)) {
+                detector.set_detection([own as u32, other as u32], pair.response.detection());
+            }
+        }
         Some(Self {
-            detector: Detector::new(surfaces, obstacles.to_vec(), contact_pairs),
+            detector,
             pair_of,
             end_to_end,
-            friction: pairs.iter().map(|pair| pair.friction).collect(),
+            laws: pairs
+                .iter()
+                .map(|pair| (pair.friction, pair.response.of_contact()))
+                .collect(),
             tools,
             tools_only,
             reach: reach * edge,
@@ -385,7 +401,7 @@ impl ContactSource for Source<'_> {
         let GroupContact {
             detector,
             pair_of,
-            friction,
+            laws,
             reach,
             overlap_per_step,
             start,
@@ -426,6 +442,8 @@ impl ContactSource for Source<'_> {
                 remembered.map_or_else(Vector3::zeros, |force| force.friction_force);
             let normal = point.normal;
             let pair = pair_of.get(&(point.key.body, whole(point.key.partner)));
+            let (friction, response) =
+                pair.map_or((0.0, Response::Constraint), |&(pair, _)| laws[pair]);
             let mut contact = Contact {
                 nodes: point.nodes,
                 weights: point.weights,
@@ -434,7 +452,8 @@ impl ContactSource for Source<'_> {
                 offset: 0.0,
                 floor: (point.start_gap + *overlap_per_step).min(0.0),
                 start_gap: point.start_gap,
-                friction: pair.map_or(0.0, |&(pair, _)| friction[pair]),
+                response,
+                friction,
                 drift: point.drift,
                 normal_force,
                 // The surface has turned since.

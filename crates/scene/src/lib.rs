@@ -117,7 +117,7 @@ pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,
 };
 pub use initial_equilibrium::InitialEquilibrium;
-pub use microsim_contact::{ObstaclePart, ObstacleShape};
+pub use microsim_contact::{BroadPhaseMethod, Depth, ObstaclePart, ObstacleShape};
 pub use microsim_geometry::{Hinge, Joint, Pose};
 pub use microsim_mesh::{Surface, TetMesh};
 pub use microsim_tissue::stability::WORKING_STRETCH;

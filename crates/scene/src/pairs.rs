@@ -1,7 +1,7 @@
 //! What touches what: obstacles and pairs, from their description.
 
 use crate::error::SceneError;
-use crate::spec::{ObstacleSpec, PartnerSpec, SceneSpec};
+use crate::spec::{ContactResponse, ObstacleSpec, PartnerSpec, SceneSpec};
 use microsim_contact::{ObstaclePart, ObstacleShape};
 use std::ops::Range;
 
@@ -15,6 +15,7 @@ pub(crate) struct Pair {
     /// \[N\].
     pub force_limit: f64,
     pub end_planes: bool,
+    pub response: ContactResponse,
 }
 
 /// What a body touches, by indices.
@@ -142,12 +143,32 @@ pub(crate) fn find_pairs(
         if contact.force_limit.is_nan() || contact.force_limit < 0.0 {
             return Err(wrong("the limit of the force is at least 0 N"));
         }
+        if contact.response != ContactResponse::Constraint {
+            if !spec.method.is_explicit() {
+                return Err(wrong(
+                    "a response other than `constraint` is for explicit methods: implicit and position-based ones have contact in their equations",
+                ));
+            }
+            if contact.friction > 0.0 || end_planes {
+                return Err(wrong(
+                    "a response other than `constraint` knows neither friction nor end planes",
+                ));
+            }
+        }
+        let stiff = match contact.response {
+            ContactResponse::Penalty { stiffness, .. } => stiffness.is_finite() && stiffness > 0.0,
+            ContactResponse::Constraint | ContactResponse::TargetForce { .. } => true,
+        };
+        if !stiff {
+            return Err(wrong("the stiffness of a penalty is above 0 N/m"));
+        }
         pairs.push(Pair {
             body,
             with,
             friction: contact.friction,
             force_limit: contact.force_limit,
             end_planes,
+            response: contact.response,
         });
     }
     Ok(pairs)

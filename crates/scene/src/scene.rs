@@ -11,7 +11,7 @@ use crate::lonor::BladeState;
 use crate::pairs::{Obstacle, Pair, PairPartner, find_obstacles, find_pairs};
 use crate::placement::Placements;
 use crate::report::ContactPartner;
-use crate::spec::{BodySpec, PartnerSpec, SceneSpec};
+use crate::spec::{BodySpec, ContactResponse, ContactSpec, PartnerSpec, SceneSpec};
 use crate::state::SceneState;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::ObstaclePart;
@@ -76,7 +76,9 @@ impl Scene {
         let touched = |body: &BodySpec| {
             let other = |with: &PartnerSpec| matches!(with, PartnerSpec::Body { name, .. } if *name == body.name);
             let mut pairs = spec.contacts.iter();
-            pairs.any(|pair| pair.body == body.name || other(&pair.with))
+            let by_velocity =
+                |pair: &ContactSpec| matches!(pair.response, ContactResponse::Penalty { .. });
+            pairs.any(|pair| !by_velocity(pair) && (pair.body == body.name || other(&pair.with)))
         };
         let mut bodies = spec
             .bodies
@@ -95,7 +97,13 @@ impl Scene {
         let (obstacles, obstacle_parts) = find_obstacles(&spec.obstacles)?;
         let pairs = find_pairs(spec, &obstacles)?;
         let cuts = find_cuts(spec, &pairs)?;
-        let groups = Group::all(&bodies, &pairs, &obstacle_parts, &spec.method)?;
+        let groups = Group::all(
+            &bodies,
+            &pairs,
+            &obstacle_parts,
+            spec.broad_phase,
+            &spec.method,
+        )?;
         let state = SceneState {
             bodies: bodies.iter().map(|body| body.start.clone()).collect(),
             contacts: vec![ContactState::default(); groups.len()],

@@ -1,10 +1,10 @@
 //! What a scene is made of, as plain values. They are checked when the scene is built.
 
-use microsim_contact::ObstaclePart;
+use microsim_contact::{BroadPhaseMethod, Depth, Detection, ObstaclePart};
 use microsim_geometry::{Joint, Pose};
 use microsim_mesh::TetMesh;
 use microsim_tissue::elements::{CouplingConstants, SlidingConstants};
-use microsim_tissue::{Material, Method};
+use microsim_tissue::{Material, Method, Response};
 
 /// Description of a scene. [`SceneSpec::new`] has defaults for all but the bodies and the method.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,8 @@ pub struct SceneSpec {
     /// Whether, without containment too, a tick in which an implicit step did not converge is computed again with shorter steps; the
     /// report of the tick lists it. A tick that converges is not changed by it.
     pub repeat_unconverged: bool,
+    /// How features that may touch are found; contacts are the same with each.
+    pub broad_phase: BroadPhaseMethod,
     /// Whether tools touch each other.
     pub tools_touch: bool,
     /// The largest force with which a hand pushes a tool against what it touches \[N\]; any if infinite.
@@ -54,6 +56,7 @@ impl SceneSpec {
             containment: true,
             repeat_invalid: true,
             repeat_unconverged: true,
+            broad_phase: BroadPhaseMethod::default(),
             tools_touch: false,
             hand_force: f64::INFINITY,
             budget: None,
@@ -358,6 +361,60 @@ pub struct ContactSpec {
     pub friction: f64,
     /// Size of the force from which on time is counted \[N\]; infinite for never.
     pub force_limit: f64,
+    /// How penetration is prevented or undone.
+    pub response: ContactResponse,
+}
+
+impl ContactSpec {
+    /// Contact without friction, by constraints.
+    pub fn new(body: impl Into<String>, with: PartnerSpec) -> Self {
+        Self {
+            body: body.into(),
+            with,
+            friction: 0.0,
+            force_limit: f64::INFINITY,
+            response: ContactResponse::Constraint,
+        }
+    }
+}
+
+/// How penetration is prevented or undone. All but [`ContactResponse::Constraint`] are those of the dissertation (its section 4.3), for explicit methods, without
+/// friction; between bodies they find nodes that are in tetrahedra after a step, and nothing else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ContactResponse {
+    /// Non-penetration of all contacts together, found along the whole step.
+    Constraint,
+    /// Springs to the surface half-way between.
+    Penalty {
+        /// Stiffness of each \[N/m\], above 0.
+        stiffness: f64,
+        /// How deep nodes inside are.
+        depth: Depth,
+    },
+    /// Forces that bring nodes to the surface at the end of a step, each by itself.
+    TargetForce {
+        /// How deep nodes inside are.
+        depth: Depth,
+    },
+}
+
+impl ContactResponse {
+    /// What finds contacts of bodies.
+    pub(crate) fn detection(self) -> Detection {
+        match self {
+            Self::Constraint => Detection::Continuous,
+            Self::Penalty { depth, .. } | Self::TargetForce { depth } => Detection::Discrete(depth),
+        }
+    }
+
+    /// What makes the force of each contact.
+    pub(crate) fn of_contact(self) -> Response {
+        match self {
+            Self::Constraint => Response::Constraint,
+            Self::Penalty { stiffness, .. } => Response::Penalty { stiffness },
+            Self::TargetForce { .. } => Response::TargetForce,
+        }
+    }
 }
 
 /// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not,

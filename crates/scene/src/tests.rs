@@ -9,12 +9,12 @@ mod boundary;
 mod cutting;
 mod forces;
 mod hard;
-
 mod irrigation;
 mod layers;
 mod limits;
 mod placements;
 mod residual;
+mod response;
 mod stretch;
 mod tearing;
 
@@ -52,12 +52,7 @@ fn strip(cells: [usize; 3], lying: bool) -> SceneSpec {
             irrigation: None,
             motion: Vec::new(),
         }],
-        contacts: vec![ContactSpec {
-            body: "strip".into(),
-            with: PartnerSpec::Tool("probe".into()),
-            friction: 0.0,
-            force_limit: f64::INFINITY,
-        }],
+        contacts: vec![ContactSpec::new("strip", PartnerSpec::Tool("probe".into()))],
         ..SceneSpec::new(
             vec![BodySpec {
                 drag: 100.0,

@@ -76,7 +76,7 @@ impl Scene {
     /// let sphere = CapsuleSpec::new([0.0; 3], [0.0; 3], 0.5e-3);
     /// let probe = ToolSpec { name: "probe".into(), capsules: vec![sphere], sharpness: 0.0, jaw_stiffness: f64::INFINITY, irrigation: None, motion: vec![] };
     /// let with = PartnerSpec::Tool("probe".into());
-    /// let contact = ContactSpec { body: "cube".into(), with, friction: 0.0, force_limit: f64::INFINITY };
+    /// let contact = ContactSpec::new("cube", with);
     /// let mut scene = Scene::new(&SceneSpec {
     ///     tools: vec![probe],
     ///     contacts: vec![contact],

@@ -2,9 +2,9 @@
 
 use crate::kinds::{direction, identifier, point, quantity, ratio, rotation, time};
 use crate::schema::Kind;
-use crate::table::{Setting, table};
+use crate::table::{Setting, choices, table};
 use crate::tool::{Irrigation, ToolCapsule, jaw_angle, tool_point};
-use microsim_vocabulary::Unit;
+use microsim_vocabulary::{Unit, terms};
 use serde::{Deserialize, Serialize};
 
 table! {
@@ -27,6 +27,34 @@ table! {
         end_planes: bool => false,
         /// Size of the force, mean over the last 50 ms, from which on time is counted \[N\].
         force_limit: Option<f64> = quantity(Unit::Force, 0.0, 1e3),
+        /// How penetration is prevented or undone. All but `constraint` are those of the dissertation (4.3), for explicit methods, without friction.
+        response: ContactResponse => "constraint",
+        /// Stiffness of a penalty, and only there \[N/m\].
+        stiffness: Option<f64> = quantity(Unit::LengthStiffness, 1e-6, 1e6),
+        /// How deep nodes in another body are, of a penalty or target force; left out: consistent.
+        depth: Option<PenetrationDepth>,
+    }
+}
+
+terms! {
+    /// How penetration is prevented or undone.
+    pub enum ContactResponse {
+        /// All contacts together, found along the whole step.
+        Constraint = "constraint",
+        /// Springs to the surface half-way between.
+        Penalty = "penalty",
+        /// Forces that bring each node to the surface by themselves.
+        TargetForce = "target-force",
+    }
+}
+
+terms! {
+    /// How deep a node in another body is.
+    pub enum PenetrationDepth {
+        /// To the nearest point of the surface.
+        Nearest = "nearest",
+        /// By where the edges around came in (Heidelberger et al. 2004).
+        Consistent = "consistent",
     }
 }
 
@@ -39,6 +67,20 @@ impl ContactPair {
             .map_or("itself", String::as_str)
     }
 }
+
+terms! {
+    /// How features of surfaces whose boxes overlap are found.
+    pub enum BroadPhase {
+        /// A hierarchy of boxes, refitted as nodes move.
+        Bvh = "bvh",
+        /// Spatial hashing (dissertation 4.3).
+        SpatialHash = "spatial-hash",
+        /// Every box is compared with every other.
+        AllPairs = "all-pairs",
+    }
+}
+
+choices!(BroadPhase, ContactResponse, PenetrationDepth);
 
 table! {
     /// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not, the

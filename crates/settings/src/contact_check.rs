@@ -17,6 +17,18 @@ const SIZES: [(&str, &[&str], bool); 6] = [
     ("length", &["cylinder"], true),
 ];
 
+/// Complains about a cell size without cells; `table` is the one with the broad phase.
+pub(crate) fn check_broad_phase(reading: &mut Reading, table: &KeyPath, search: &Value) {
+    let key = table.key("cell_size");
+    if reading.is_written(&key) && *search != "spatial-hash" {
+        reading.complain(
+            &key,
+            "`cell_size`",
+            "no `cell_size`, which is of `broad_phase = \"spatial-hash\"`",
+        );
+    }
+}
+
 /// Complains about obstacles whose sizes do not fit their shape.
 pub(crate) fn check_rigid(reading: &mut Reading) {
     for (i, shape) in texts(reading.value(), "rigid", "shape") {
@@ -110,6 +122,7 @@ pub(crate) fn check_contacts(reading: &mut Reading) {
                 "no `end_planes`, which are those of two vessels",
             );
         }
+        check_response(reading, &key, pair);
         let (body, with) = (pair["body"].as_str(), pair["with"].as_str());
         if body.is_some() && body == with {
             let found = format!("`{}` itself", body.unwrap_or_default());
@@ -128,6 +141,40 @@ pub(crate) fn check_contacts(reading: &mut Reading) {
             reading.complain(&key, "the same pair a second time", "each pair once");
         }
         seen.push(names);
+    }
+}
+
+/// Complains about a stiffness or depth that the response of a pair has not, or lacks.
+fn check_response(reading: &mut Reading, pair: &KeyPath, value: &Value) {
+    let response = value["response"].as_str().unwrap_or_default().to_owned();
+    let is_penalty = response == "penalty";
+    let stiffness = pair.key("stiffness");
+    match (is_penalty, reading.is_written(&stiffness)) {
+        (true, false) => {
+            reading.complain(&stiffness, "nothing", "`stiffness`, which a penalty needs")
+        }
+        (false, true) => reading.complain(
+            &stiffness,
+            "`stiffness`",
+            "no `stiffness`, which is that of a penalty",
+        ),
+        _ => {}
+    }
+    let depth = pair.key("depth");
+    if response == "constraint" && reading.is_written(&depth) {
+        reading.complain(
+            &depth,
+            "`depth`",
+            "no `depth`: a constraint is found along the whole step",
+        );
+    }
+    let friction = value["friction"].as_f64().unwrap_or_default();
+    if !["constraint", ""].contains(&response.as_str()) && friction > 0.0 {
+        reading.complain(
+            &pair.key("friction"),
+            "friction",
+            &format!("no friction, which `{response}` does not know"),
+        );
     }
 }
 

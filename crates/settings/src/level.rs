@@ -6,7 +6,7 @@
 
 use crate::body::Body;
 use crate::colour::Colour;
-use crate::contact::{ContactPair, CutPair};
+use crate::contact::{BroadPhase, ContactPair, CutPair};
 use crate::kinds::{
     dependent, identifier, own_defaults, point, quantity, rotation, size, size3, time, vector3,
 };
@@ -305,6 +305,10 @@ table! {
     pub struct Physics {
         /// Acceleration of free fall, in the field frame \[m/s²\].
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
+        /// How features that may touch are found. Contacts and their bits are the same with each.
+        broad_phase: BroadPhase => "bvh",
+        /// Edge of a cell of the spatial hash, and only there \[m\]; left out: the mean edge of the mesh for tetrahedra, twice that for triangles.
+        cell_size: Option<f64> = quantity(Unit::Length, 1e-9, 1.0),
         /// Whether tools touch each other; else they pass through each other.
         tools_touch: bool => false,
         /// The largest force with which the hand pushes a tool against what it touches \[N\]: beyond, the tool stays behind the hand.

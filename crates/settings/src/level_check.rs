@@ -2,7 +2,7 @@
 
 use crate::body_check::{check_bodies, check_held};
 use crate::check::{items, refers, texts, unique};
-use crate::contact_check::{check_contacts, check_cuts, check_rigid};
+use crate::contact_check::{check_broad_phase, check_contacts, check_cuts, check_rigid};
 use crate::document::Reading;
 use crate::document::{Loaded, load_text};
 use crate::error::ConfigErrors;
@@ -221,6 +221,8 @@ fn check_physics(reading: &mut Reading) {
             _ => {}
         }
     }
+    let search = reading.value()["physics"]["broad_phase"].clone();
+    check_broad_phase(reading, &root.key("physics"), &search);
 }
 
 fn check_limits(reading: &mut Reading, manifest: &Manifest, known_metrics: &[KnownMetric<'_>]) {

@@ -61,7 +61,9 @@ pub use chart::{
     ChartScene, ChartSweep, ChartTune, ChartVariant, ExactKind, load_chart, read_chart,
 };
 pub use colour::Colour;
-pub use contact::{ContactPair, CutPair, SceneTool, ToolKey};
+pub use contact::{
+    BroadPhase, ContactPair, ContactResponse, CutPair, PenetrationDepth, SceneTool, ToolKey,
+};
 pub use course::{Course, CourseStep, Unlock, load_course, read_course};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover, discover_with};

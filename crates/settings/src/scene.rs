@@ -4,7 +4,7 @@
 //! Frame: the world's, right-handed, z up. Everything is in SI.
 
 use crate::body::{Body, Nodes};
-use crate::contact::{ContactPair, CutPair, SceneTool};
+use crate::contact::{BroadPhase, ContactPair, CutPair, SceneTool};
 use crate::kinds::{
     dependent, direction, english_text, identifier, own_defaults, point, quantity, time, vector3,
 };
@@ -71,6 +71,10 @@ table! {
         rest_speed: Option<f64> = quantity(Unit::Speed, 1e-12, 1.0),
         /// Acceleration of free fall \[m/s²\].
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
+        /// How features that may touch are found. Contacts and their bits are the same with each.
+        broad_phase: BroadPhase => "bvh",
+        /// Edge of a cell of the spatial hash, and only there \[m\]; left out: the mean edge of the mesh for tetrahedra, twice that for triangles.
+        cell_size: Option<f64> = quantity(Unit::Length, 1e-9, 1.0),
         /// Whether tools touch each other; else they pass through each other.
         tools_touch: bool => false,
         /// The largest force with which a hand pushes a tool against what it touches \[N\]: beyond, the tool stays behind. Any if it is left out.

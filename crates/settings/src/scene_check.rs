@@ -2,7 +2,9 @@
 
 use crate::body_check::{check_bodies, check_box, check_held};
 use crate::check::{items, refers, texts, unique};
-use crate::contact_check::{check_contacts, check_cuts, check_rigid, check_scene_tools};
+use crate::contact_check::{
+    check_broad_phase, check_contacts, check_cuts, check_rigid, check_scene_tools,
+};
 use crate::document::Reading;
 use crate::document::{Loaded, load_text};
 use crate::error::ConfigErrors;
@@ -101,6 +103,8 @@ fn check_run(reading: &mut Reading) {
         ),
         _ => {}
     }
+    let search = reading.value()["run"]["broad_phase"].clone();
+    check_broad_phase(reading, &run, &search);
 }
 
 fn check_probes(reading: &mut Reading) {

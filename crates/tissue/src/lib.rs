@@ -107,7 +107,7 @@ pub use material::{
     SpringForm, SpringModuli, fit,
 };
 pub use method::{Method, MethodError};
-pub use microsim_contact_solver::{Contact, ContactSource, ContactStep};
+pub use microsim_contact_solver::{Contact, ContactSource, ContactStep, Response};
 pub use microsim_vocabulary::{Discretisation, MethodName};
 pub use model::{ModelError, TissueModel};
 pub use newton::{

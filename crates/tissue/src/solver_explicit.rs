@@ -36,7 +36,7 @@ use crate::forces::Forces;
 use crate::model::TissueModel;
 use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
-use microsim_contact_solver::{Contact, ContactStep, Projection};
+use microsim_contact_solver::{Contact, ContactStep, Projection, Response};
 use nalgebra::Vector3;
 
 /// Which explicit integrator.
@@ -211,6 +211,27 @@ impl SolverExplicit {
         }
     }
 
+    /// Adds penalty forces of explicit Euler, which change velocities alone.
+    fn penalise(
+        &mut self,
+        model: &TissueModel,
+        state: &State,
+        contact: &mut ContactStep<'_>,
+        h: f64,
+    ) -> Result<(), StepFailure> {
+        self.enforce_contact(model, state, contact, [h, 0.0, h], [1.0 / h, 0.0])?;
+        for (position, change) in self.positions.iter_mut().zip(self.projection.changes()) {
+            *position -= change;
+        }
+        let is_penalty = |contact: &Contact| matches!(contact.response, Response::Penalty { .. });
+        match contact.contacts.iter().all(is_penalty) {
+            true => Ok(()),
+            false => Err(StepFailure::NoContact {
+                reason: "a force of explicit Euler moves a node one step later only; use `response = \"penalty\"`, symplectic-euler, or any other method",
+            }),
+        }
+    }
+
     #[expect(clippy::too_many_arguments, reason = "the parts of a step stay apart")]
     fn velocity_verlet(
         &mut self,
@@ -374,13 +395,11 @@ impl SolverExplicit {
     ) -> Result<(), StepFailure> {
         self.accelerate(model, state, control, true, exec);
         if self.scheme == Scheme::ExplicitEuler {
-            if contact.is_some() {
-                return Err(StepFailure::NoContact {
-                    reason: "a force of explicit Euler moves a node one step later only; use symplectic-euler, or any other method",
-                });
-            }
             self.apply(state, |p, v, a| [p + v * h, v + a * h]);
             self.clamp(model, state, control, h);
+            if let Some(contact) = contact {
+                self.penalise(model, state, contact, h)?;
+            }
         } else {
             self.apply(state, |p, v, a| {
                 let velocity = v + a * h;

@@ -7,13 +7,13 @@ use microsim_contact::{CapsuleMotion, ContactPair};
 use microsim_geometry::Capsule;
 use microsim_mesh::{Block, CellSplit, TetMesh};
 use microsim_tests::detected::Detected;
+use microsim_tests::measured::thread_time as cpu;
 use microsim_tissue::law::LawName;
 use microsim_tissue::{
     Behaviour, Contact, ContactSource, ContactStep, ContinuumConstants, Control, Discretisation,
     Material, Method, Newton, Serial, State, TissueModel, build_model, stability,
 };
 use nalgebra::Vector3;
-use rustix::time::{ClockId, clock_gettime};
 use std::fmt::Write as _;
 
 type V3 = Vector3<f64>;
@@ -25,12 +25,6 @@ const IMPLICIT: usize = 12_000;
 /// CPU time that a step is repeated for \[s\], and how often at least.
 const SPAN: f64 = 0.15;
 const LEAST: usize = 3;
-
-/// CPU time of this thread \[s\].
-fn cpu() -> f64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}
 
 /// The least CPU time of something that gives its own time \[s\].
 fn least(mut once: impl FnMut() -> f64) -> f64 {

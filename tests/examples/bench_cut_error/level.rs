@@ -5,9 +5,9 @@ use microsim_host::assemble::known_metrics;
 use microsim_mesh::TetMesh;
 use microsim_scene::{LevelParts, Pose, Scene, SceneSpec, Serial, ToolMotion, level_spec};
 use microsim_settings::{self as settings, Loaded};
+use microsim_tests::measured::thread_time;
 use microsim_tests::repository;
 use nalgebra::Vector3;
-use rustix::time::{ClockId, clock_gettime};
 use std::collections::BTreeMap;
 
 /// Ticks in which the tissue comes to rest, and that are timed then.
@@ -199,6 +199,5 @@ impl Stretched {
 
 /// CPU time of this thread \[ms\].
 fn now() -> f64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    1e3 * time.tv_sec as f64 + 1e-6 * time.tv_nsec as f64
+    1e3 * thread_time()
 }

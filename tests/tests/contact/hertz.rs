@@ -107,12 +107,10 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             motion: Vec::new(),
         }],
         obstacles: Vec::new(),
-        contacts: vec![ContactSpec {
-            body: "block".into(),
-            with: PartnerSpec::Tool("sphere".into()),
-            friction: 0.0,
-            force_limit: f64::INFINITY,
-        }],
+        contacts: vec![ContactSpec::new(
+            "block",
+            PartnerSpec::Tool("sphere".into()),
+        )],
         cuts: Vec::new(),
         gravity: [0.0; 3],
         method: Method::QuasiStatic(Newton {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::BroadPhaseMethod;
 use crate::{ObstacleShape, Partner};
 use microsim_geometry::{Pose, closest_on_segment, closest_on_triangle, closest_segments};
 use microsim_mesh::{Arc, Layer, Tube};
@@ -10,6 +11,11 @@ impl Group {
         for body in &mut self.detector.bodies {
             body.tree.margin = f64::INFINITY;
         }
+        self
+    }
+
+    fn with_broad_phase(mut self, broad_phase: BroadPhaseMethod) -> Self {
+        self.detector = self.detector.with_broad_phase(broad_phase);
         self
     }
 }
@@ -92,7 +98,7 @@ fn same(a: &[Point], b: &[Point]) {
     );
 }
 
-/// The same points, to the bit, from the hierarchies and from comparing everything with everything; and once more after others.
+/// The same points, to the bit, from every broad phase and from comparing everything with everything; and once more after others.
 #[test]
 fn detection_equals_brute_force_on_ten_thousand_configurations() {
     let mut random = SplitMix64(5);
@@ -102,6 +108,12 @@ fn detection_equals_brute_force_on_ten_thousand_configurations() {
         let brute = group.clone().without_broad_phase().find();
         let points = group.find();
         same(&points, &brute);
+        let cell_size = [None, Some(1e-2), Some(0.3), Some(10.0)][random.below(4) as usize];
+        let broad_phase = match random.below(3) {
+            0 => BroadPhaseMethod::AllPairs,
+            _ => BroadPhaseMethod::SpatialHash { cell_size },
+        };
+        same(&group.clone().with_broad_phase(broad_phase).find(), &brute);
         for point in &points {
             let kind = match point.key.partner {
                 Partner::Tool { .. } => 0,

@@ -1,4 +1,5 @@
 use super::*;
+use crate::{Depth, Detection};
 
 const BODIES: ContactPair = ContactPair::Bodies {
     body: 0,
@@ -79,6 +80,44 @@ fn out_of_a_thin_plate_leads_the_way_in() {
         assert!((point.gap + 0.11).abs() < 1e-14, "{point:?}");
         assert!((point.normal - V3::z()).norm() < 1e-14);
     }
+}
+
+/// The plate of the test above is 0.12 thick, the nodes 0.11 deep: its nearest surface point is on the far side, 0.01 away.
+#[test]
+fn the_nearest_surface_point_is_not_where_nodes_came_in() {
+    let upper = block([0.0, 0.0, 0.9], [2, 2, 2]);
+    let plate = sized([0.0, 0.0, -0.05], [8.0, 8.0, 0.12], [8, 8, 1]);
+    let mut group = Group::new(&[&upper, &plate], Vec::new(), vec![BODIES]);
+    for (depth, gap, out) in [
+        (Depth::Consistent, -0.11, V3::z()),
+        (Depth::Nearest, -0.01, -V3::z()),
+    ] {
+        group
+            .detector
+            .set_detection([0, 1], Detection::Discrete(depth));
+        let points = group.find();
+        assert!(points.iter().all(|point| point.first == 1), "no edges");
+        let nodes: Vec<_> = points.iter().filter(|p| p.key.body == 0).collect();
+        assert_eq!(nodes.len(), 9);
+        for point in nodes {
+            assert!((point.gap - gap).abs() < 1e-14, "{point:?}");
+            assert!((point.normal - out).norm() < 1e-14);
+        }
+    }
+}
+
+/// A block that passes through another one in one step is found along the step, and not at its end.
+#[test]
+fn discrete_detection_does_not_see_what_passes_through() {
+    let pair = [block([0.0, 0.0, 2.0], [1; 3]), block([0.0; 3], [1; 3])];
+    let mut group = Group::new(&[&pair[0], &pair[1]], Vec::new(), vec![BODIES]);
+    for p in &mut group.now[..8] {
+        p.z -= 4.0;
+    }
+    assert!(!group.find().is_empty());
+    let discrete = Detection::Discrete(Depth::Consistent);
+    group.detector.set_detection([0, 1], discrete);
+    assert!(group.find().is_empty());
 }
 
 /// No edge of the inner body crosses the outer one's surface: each node goes to the nearest place of it.

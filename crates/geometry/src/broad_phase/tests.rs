@@ -1,4 +1,5 @@
 use super::*;
+use crate::all_pairs::AllPairs;
 use crate::bvh::Bvh;
 use crate::spatial_hash::SpatialHash;
 use crate::testing::Points;
@@ -44,11 +45,11 @@ fn random_box(random: &mut SplitMix64, offset: &Vector3<f64>, extent: f64) -> Aa
 }
 
 /// 10,000 random sets of boxes, from nothing to crowds, in cells from much too small to much too large, at the origin and far
-/// from it: both broad phases, updated from set to set, find what the comparison of every box with every other finds.
+/// from it: all broad phases, updated from set to set, find what the comparison of every box with every other finds.
 #[test]
-fn both_broad_phases_equal_brute_force() {
+fn broad_phases_equal_brute_force() {
     let mut random = SplitMix64(1);
-    let (mut hash, mut bvh) = (SpatialHash::new(), Bvh::new());
+    let (mut hash, mut bvh, mut list) = (SpatialHash::new(), Bvh::new(), AllPairs::new());
     let (mut pairs, mut found) = (Vec::new(), Vec::new());
     let mut overlaps = 0;
     for _ in 0..10_000 {
@@ -71,6 +72,10 @@ fn both_broad_phases_equal_brute_force() {
         bvh.refit(&boxes);
         bvh.pairs(&queries, &mut pairs);
         assert_eq!(pairs, expected, "bvh");
+
+        list.rebuild(&boxes);
+        list.pairs(&queries, &mut pairs);
+        assert_eq!(pairs, expected, "all pairs");
 
         let own: Vec<[u32; 2]> = brute_force(&boxes, &boxes)
             .into_iter()

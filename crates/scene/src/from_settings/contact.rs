@@ -3,15 +3,24 @@
 use super::Load;
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use crate::spec::{
-    CapsuleSpec, ContactSpec, CutSpec, IrrigationSpec, Jaw, ObstacleSpec, PartnerSpec, ToolKeySpec,
-    ToolSpec,
+    CapsuleSpec, ContactResponse, ContactSpec, CutSpec, IrrigationSpec, Jaw, ObstacleSpec,
+    PartnerSpec, ToolKeySpec, ToolSpec,
 };
-use microsim_contact::{ObstaclePart, ObstacleShape};
+use microsim_contact::{BroadPhaseMethod, Depth, ObstaclePart, ObstacleShape};
 use microsim_geometry::Pose;
 use microsim_settings as settings;
 use nalgebra::Vector3;
 use settings::KeyPath;
 use std::path::Path;
+
+/// How what may touch is found.
+pub(super) fn broad_phase(name: settings::BroadPhase, cell_size: Option<f64>) -> BroadPhaseMethod {
+    match name {
+        settings::BroadPhase::Bvh => BroadPhaseMethod::Hierarchy,
+        settings::BroadPhase::SpatialHash => BroadPhaseMethod::SpatialHash { cell_size },
+        settings::BroadPhase::AllPairs => BroadPhaseMethod::AllPairs,
+    }
+}
 
 /// Capsules as files have them, to those of a tool.
 pub(super) fn capsules(
@@ -167,9 +176,29 @@ pub(super) fn contacts(
             with,
             friction: pair.friction,
             force_limit: pair.force_limit.unwrap_or(f64::INFINITY),
+            response: response(pair, index)?,
         })
     });
     specs.collect()
+}
+
+fn response(
+    pair: &settings::ContactPair,
+    index: usize,
+) -> Result<ContactResponse, FromSettingsError> {
+    let depth = match pair.depth {
+        Some(settings::PenetrationDepth::Nearest) => Depth::Nearest,
+        Some(settings::PenetrationDepth::Consistent) | None => Depth::Consistent,
+    };
+    Ok(match pair.response {
+        settings::ContactResponse::Constraint => ContactResponse::Constraint,
+        settings::ContactResponse::TargetForce => ContactResponse::TargetForce { depth },
+        settings::ContactResponse::Penalty => {
+            let key = KeyPath::root().key("contact").at(index).key("stiffness");
+            let stiffness = pair.stiffness.ok_or_else(|| missing(key, "`stiffness`"))?;
+            ContactResponse::Penalty { stiffness, depth }
+        }
+    })
 }
 
 /// What cuts what.

@@ -41,10 +41,8 @@ fn bars() -> SceneSpec {
         )
     };
     let contact = |body: &str, with: PartnerSpec| ContactSpec {
-        body: body.into(),
-        with,
         friction: 0.2,
-        force_limit: f64::INFINITY,
+        ..ContactSpec::new(body, with)
     };
     let other = PartnerSpec::Body {
         name: "upper".into(),
@@ -83,14 +81,7 @@ fn bars() -> SceneSpec {
             contact("lower", other),
         ],
         cuts: vec![cut("lower"), cut("upper")],
-        gravity: [0.0, 0.0, -9.81],
-        method: Method::StoermerVerlet,
-        containment: true,
-        repeat_invalid: true,
-        repeat_unconverged: true,
-        tools_touch: false,
-        hand_force: f64::INFINITY,
-        budget: None,
+        ..SceneSpec::new(Vec::new(), Method::StoermerVerlet)
     }
 }
 

@@ -94,10 +94,8 @@ fn cut(tool: &str) -> CutSpec {
 
 fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneSpec {
     let contact = ContactSpec {
-        body: body.name.clone(),
-        with: PartnerSpec::Tool(tool.name.clone()),
         friction: 0.1,
-        force_limit: f64::INFINITY,
+        ..ContactSpec::new(body.name.clone(), PartnerSpec::Tool(tool.name.clone()))
     };
     SceneSpec {
         cuts: vec![cut(&tool.name)],
@@ -106,13 +104,7 @@ fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneS
         obstacles: Vec::new(),
         contacts: if touches { vec![contact] } else { Vec::new() },
         gravity: [0.0; 3],
-        method,
-        containment: true,
-        repeat_invalid: true,
-        repeat_unconverged: true,
-        tools_touch: false,
-        hand_force: f64::INFINITY,
-        budget: None,
+        ..SceneSpec::new(Vec::new(), method)
     }
 }
 

@@ -48,10 +48,8 @@ fn squeezed(newton: Newton, gap: f64) -> SceneSpec {
             motion: Vec::new(),
         }],
         contacts: vec![ContactSpec {
-            body: "block".into(),
-            with: PartnerSpec::Tool("forceps".into()),
-            friction: 0.0,
             force_limit: 1e-3,
+            ..ContactSpec::new("block", PartnerSpec::Tool("forceps".into()))
         }],
         ..SceneSpec::new(
             vec![BodySpec::new("block", block.mesh().unwrap(), material)],

@@ -67,10 +67,8 @@ fn table() -> ObstacleSpec {
 
 fn touches(body: &str, with: PartnerSpec) -> ContactSpec {
     ContactSpec {
-        body: body.into(),
-        with,
         friction: 0.3,
-        force_limit: f64::INFINITY,
+        ..ContactSpec::new(body, with)
     }
 }
 

@@ -71,10 +71,8 @@ fn gripped() -> SceneSpec {
         ..BodySpec::new("block", block.mesh().unwrap(), material)
     };
     let contact = ContactSpec {
-        body: "block".into(),
-        with: PartnerSpec::Tool("forceps".into()),
         friction: 0.3,
-        force_limit: f64::INFINITY,
+        ..ContactSpec::new("block", PartnerSpec::Tool("forceps".into()))
     };
     SceneSpec {
         tools: vec![forceps("forceps")],

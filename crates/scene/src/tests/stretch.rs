@@ -225,15 +225,13 @@ fn a_soft_body_beside_what_stiffens_has_its_steps_back() {
     };
     constants.young = 1e-4 * YOUNG;
     spec.bodies.insert(0, soft);
-    spec.contacts = vec![ContactSpec {
-        body: "soft".into(),
-        with: PartnerSpec::Body {
+    spec.contacts = vec![ContactSpec::new(
+        "soft",
+        PartnerSpec::Body {
             name: "bar".into(),
             end_planes: false,
         },
-        friction: 0.0,
-        force_limit: f64::INFINITY,
-    }];
+    )];
     let mut scene = Scene::new(&spec).unwrap();
     let at_rest = [0, 1].map(|body| scene.body(body).stable_step());
     assert!(at_rest[0] > 64.0 * at_rest[1], "{at_rest:?}");

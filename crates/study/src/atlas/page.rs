@@ -103,7 +103,8 @@ impl Atlas {
              changed in one respect per column. Thin layer, sliver: one layer of cells squeezed, or one node moved towards the opposite face, to that fraction. Measured by bisection with the solver from a disturbance of a billionth of a cell; predicted \
              from the exact eigenvalues and the limits of linear theory. ζ is the damping ratio of the fastest mode. In the columns of offsets the block \
              starts from random offsets of up to that fraction of a cell and makes 2000 steps: there the linear limit is no prediction, and the number \
-             is the fraction that remains. “never”: unstable at every step, as predicted.</p>\n",
+             is the fraction that remains. “never”: unstable at every step, as predicted. Where fibres carry tension alone, an unstretched body has no linear range, \
+             however small the disturbance.</p>\n",
         );
         out.push_str(&ratio_key());
         for map in self

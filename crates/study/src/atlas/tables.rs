@@ -149,7 +149,7 @@ impl Atlas {
             let others = self.disagreeing();
             if !others.is_empty() {
                 found.push(format!(
-                    "Those that differ by more are of {}. Where fibres carry tension alone, an unstretched body has no linear range.",
+                    "Those that differ by more, or are stable against the prediction, are of {}.",
                     others.join(", ")
                 ));
             }
