@@ -78,7 +78,7 @@ pub fn write(
         .collect();
     let mut sessions = 0;
     replace_by(path, |file| {
-        let mut write = || -> Result<(), Failure> {
+        let write = || -> Result<(), Failure> {
             let sink = std::io::BufWriter::new(file);
             let mut table = TableWriter::new(format, &COLUMNS, sink)?;
             store.each_session(filter, true, |named| -> Result<(), Failure> {

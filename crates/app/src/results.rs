@@ -11,7 +11,6 @@ use microsim_store::{Filter, Measured, NamedSession, PopulationRecord, Session, 
 use microsim_table::Format;
 use microsim_training::{CusumCurve, CusumDecision, CusumPlan, Standing};
 use serde_json::{Value, json};
-use std::io::Write as _;
 use std::path::Path;
 
 /// Finds results.

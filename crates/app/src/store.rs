@@ -289,6 +289,6 @@ fn put_aside(path: &Path) -> Result<PathBuf, Problem> {
             _ => {}
         }
     }
-    std::fs::rename(path, &aside).map_err(|e| format!("{}: {}", path.display(), in_words(&e)))?;
+    std::fs::rename(path, &aside).map_err(|e| format!("{}: {}", path.display(), in_words(e)))?;
     Ok(aside)
 }
