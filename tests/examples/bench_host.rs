@@ -174,6 +174,8 @@ fn whole_runs() -> Vec<Row> {
                     version: String::new(),
                     started: 0,
                     trainee: None,
+                    session_id: None,
+                    unlisted: true,
                     realtime: false,
                     plan: plan.clone(),
                 },

@@ -18,6 +18,7 @@
 //! - [`peers`]: OpenIGTLink of others: pyigtl and the C++ library;
 //! - [`simulated`]: scenes run by the program, and what they give;
 //! - [`statistics`]: percentiles of measurements;
+//! - [`stations`]: folders of users, with trainees and a store of their own;
 //! - [`system`]: the linear system of a body, phase by phase;
 //! - [`training`]: training after training in one process;
 //! - [`trainees`]: synthetic trainees, made and run;
@@ -41,6 +42,7 @@ pub mod measured;
 pub mod peers;
 pub mod sensitivity;
 pub mod simulated;
+pub mod stations;
 pub mod statistics;
 pub mod system;
 pub mod trainees;

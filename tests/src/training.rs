@@ -160,6 +160,8 @@ impl Training {
             stop_at: None,
             stop: &stop,
             trainee: None,
+            session_id: None,
+            unlisted: true,
             key: None,
             progress: &mut |_, _| {},
         };

@@ -71,6 +71,12 @@ fn has_component(workspace: &Workspace, subcommand: &str, component: &str) -> bo
 }
 
 fn tests(workspace: &Workspace, short: bool, harness: &[OsString]) -> Result<Outcome, Failure> {
+    // What earlier tests have entered into their store.
+    let data = workspace.tree().with_extension("data");
+    if data.exists() {
+        std::fs::remove_dir_all(&data)
+            .map_err(|e| Failure::Cannot(format!("{}: {e}", data.display())))?;
+    }
     let mut cargo = workspace.cargo_with_tree();
     // One failing crate does not hide the others' results.
     cargo.args(["test", "--release", "--workspace", "--no-fail-fast"]);

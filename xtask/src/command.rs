@@ -238,7 +238,7 @@ mod tests {
             ),
             (
                 "bench",
-                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts", "bench_contact", "cut_tick", "bench_coordination", "bench_cut_error", "bench_vessels", "bench_dissertation", "bench_peers"] []"#,
+                r#"["bench_host", "bench_kernels", "bench_solvers", "bench_counts", "bench_contact", "cut_tick", "bench_coordination", "bench_cut_error", "bench_vessels", "bench_store", "bench_dissertation", "bench_filters", "bench_peers"] []"#,
             ),
             ("bench kernels", r#"["bench_kernels"] []"#),
             ("bench peers -- --all", r#"["bench_peers"] ["--all"]"#),
@@ -280,7 +280,7 @@ mod tests {
             ("new module demo more", "`new` does not take \"more\""),
             (
                 "bench hosts",
-                "there is no \"hosts\"; there are: host, kernels, solvers, counts, contact, cutting, coordination, cut-error, vessels, dissertation, peers",
+                "there is no \"hosts\"; there are: host, kernels, solvers, counts, contact, cutting, coordination, cut-error, vessels, store, dissertation, filters, peers",
             ),
             ("soak kills --runs", "`soak` does not take \"--runs\""),
         ] {

@@ -66,6 +66,11 @@ pub const BENCHES: &[Program] = &[
         shows: "walls with fibres: cost per element beside rubber, a carotid that is gripped",
     },
     Program {
+        name: "store",
+        example: "bench_store",
+        shows: "50,000 results: finding those of a trainee, export, import, size",
+    },
+    Program {
         name: "dissertation",
         example: "bench_dissertation",
         shows: "figures of the dissertation, with its methods and with ours",
@@ -165,6 +170,11 @@ pub const SOAKS: &[Program] = &[
         shows: "60 minutes of all scripts in one process (-- --minutes N): faults, memory",
     },
     Program {
+        name: "store",
+        example: "soak_store",
+        shows: "100 sessions of 10 trainees, half killed: none lost, all as rebuilt",
+    },
+    Program {
         name: "hands",
         example: "soak_hands",
         shows: "10 hours of random hands on every level (-- SECONDS SEED): held, too slow",
@@ -258,7 +268,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, hands"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, store, hands"
                     .into()
             )
         );

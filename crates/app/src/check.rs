@@ -115,6 +115,12 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
             vessel.map(nothing).map_err(|e| e.to_string()),
         );
     }
+    for path in files_in(&config.join("courses"), "toml") {
+        findings.note(
+            path.display().to_string(),
+            check_course(installation, &path),
+        );
+    }
     for path in files_in(&config.join("scenes"), "toml") {
         findings.note(
             path.display().to_string(),
@@ -240,6 +246,26 @@ fn check_scene(
         ));
     }
     Ok(warnings)
+}
+
+/// Reads a course, whose levels have to be installed.
+fn check_course(installation: &Installation, path: &Path) -> Result<Vec<String>, String> {
+    let course = settings::load_course(path).map_err(|e| e.to_string())?;
+    let unknown = course
+        .settings
+        .step
+        .iter()
+        .enumerate()
+        .filter_map(|(at, step)| {
+            let missing = installation.level(&step.module, step.level).err()?;
+            let key = settings::KeyPath::root().key("step").at(at);
+            Some(format!("{}: {missing}", course.document.place(&key)))
+        });
+    let unknown: Vec<String> = unknown.collect();
+    match unknown.is_empty() {
+        true => Ok(Vec::new()),
+        false => Err(unknown.join("\n")),
+    }
 }
 
 /// Reads the plan of the chart, and each of its scenes with the meshes and parameters that it names.
@@ -420,6 +446,7 @@ fn check_file(
             .map_err(text),
         ("chart.toml", _, _) => check_chart(path),
         (_, Some("tools"), "toml") => settings::load_tool(path).map(nothing).map_err(text),
+        (_, Some("courses"), "toml") => settings::load_course(path).map(nothing).map_err(text),
         (_, Some("vessels"), "toml") => settings::load_vessel(path).map(nothing).map_err(text),
         (_, Some("scenes"), "toml") => check_scene(path, Meshes::Estimated, statements),
         (_, Some("scripts"), "toml") => settings::load_script(path).map(nothing).map_err(text),

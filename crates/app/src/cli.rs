@@ -4,6 +4,7 @@ mod instruments;
 mod physics;
 mod place;
 mod session;
+mod store;
 mod tree;
 mod value;
 
@@ -15,12 +16,18 @@ pub use physics::{
 };
 pub use place::{Place, Verbosity};
 pub use session::{BusArgs, ReplayArgs, ReportArgs, RunArgs, TraineeArgs};
+pub use store::{
+    CourseAddArgs, CourseEnrolArgs, CourseProgressArgs, CourseUnlockArgs, CoursesCommand,
+    GroupArgs, NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs,
+    TraineeAddArgs, TraineeExportArgs, TraineeGoneArgs, TraineeListArgs,
+    TraineesCommand,
+};
 pub use tree::{
     CheckArgs, CompletionsArgs, DigestsArgs, DoctorArgs, ListArgs, ManArgs, SchemaArgs,
 };
 
 use clap::{Parser, Subcommand};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Microsurgery trainer: runs training modules, records sessions, replays and reports them.
 ///
@@ -58,6 +65,17 @@ pub enum Command {
     Replay(ReplayArgs),
     /// Show the result of a recorded session, as text, JSON, CSV or an HTML page
     Report(ReportArgs),
+    /// Who trains here: names, roles, groups; export and erasure of what is theirs
+    #[command(subcommand)]
+    Trainees(TraineesCommand),
+    /// Levels in order, and how far trainees are
+    #[command(subcommand)]
+    Courses(CoursesCommand),
+    /// Find results, compare two, export them as a table
+    Results(ResultsArgs),
+    /// The database of trainees, courses and results: rebuild, export, import, check it
+    #[command(subcommand)]
+    Store(StoreCommand),
     /// Write the motion of a synthetic trainee along the plan of a script, as a script
     Trainee(TraineeArgs),
     /// Show what an input sends: devices with rate, last pose and state

@@ -82,7 +82,7 @@ pub fn listen(
 
 /// What the translator's file states.
 pub fn translator(installation: &Installation) -> Result<Translator, Problem> {
-    let path = installation.config.join("translator.toml");
+    let path = installation.setting("translator.toml");
     Ok(load_translator(&path).map_err(|e| e.to_string())?.settings)
 }
 

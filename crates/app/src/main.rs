@@ -18,9 +18,12 @@ mod cli;
 mod completions;
 mod constant;
 mod devices;
+mod courses;
+mod date;
 mod digests;
 mod discretisation;
 mod doctor;
+mod erasure;
 mod fit;
 mod folders;
 mod guest;
@@ -33,22 +36,31 @@ mod man;
 mod mesh;
 mod mesh_file;
 mod motion_length;
+mod names;
 mod output;
+mod population;
 mod processor;
 mod progress;
 mod record_input;
+mod records;
 mod replace_file;
 mod replay;
 mod report;
+mod result_table;
+mod results;
 mod run;
 mod scene_file;
 mod schema;
+mod series_table;
 mod session_file;
+mod sessions;
 mod simulate;
 mod station;
 mod table_rows;
 mod terminal;
+mod store;
 mod trainee;
+mod trainees;
 mod tune;
 mod version;
 mod working_step;
@@ -109,6 +121,10 @@ fn main() -> ExitCode {
         Command::Fit(args) => fit::fit(args),
         Command::Replay(args) => replay::replay(&cli.place, args),
         Command::Report(args) => report::report(&cli.place, args),
+        Command::Trainees(command) => trainees::trainees(&cli.place, command),
+        Command::Courses(command) => courses::courses(&cli.place, command),
+        Command::Results(args) => results::results(&cli.place, args),
+        Command::Store(command) => store::store(&cli.place, command),
         Command::Trainee(args) => trainee::trainee(&cli.place, args),
         Command::Devices(args) => devices::devices(&cli.place, args),
         Command::RecordInput(args) => record_input::record_input(&cli.place, args),

@@ -42,13 +42,23 @@ pub fn write_new(path: &Path, content: &[u8]) -> Result<(), Problem> {
 /// Puts `content` in the place of what is at `path`. A link is replaced, and what it names stays as it is. After a failure, of a full
 /// disk for example, the old content is still there.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), Problem> {
+    replace_by(path, |file| file.write_all(content))
+}
+
+/// The same with what `write` writes, which need not be in memory at once.
+pub fn replace_by(
+    path: &Path,
+    write: impl FnOnce(&mut fs::File) -> std::io::Result<()>,
+) -> Result<(), Problem> {
     let named = |e| unwritable(path, e);
     if is_special(path) {
-        return Ok(fs::write(path, content).map_err(named)?);
+        let opened = fs::OpenOptions::new().write(true).truncate(true).open(path);
+        return Ok(opened
+            .and_then(|mut file| write(&mut file))
+            .map_err(named)?);
     }
     let (new, mut file) = beside(path).map_err(named)?;
-    let written = file
-        .write_all(content)
+    let written = write(&mut file)
         .and_then(|()| match fs::symlink_metadata(path) {
             Ok(old) if old.is_file() => file.set_permissions(old.permissions()),
             _ => Ok(()),

@@ -3,9 +3,13 @@
 use crate::cli::{Place, ReportArgs};
 use crate::key_pictures::{key_pictures, not_asked};
 use crate::output::{Exit, Problem, print, print_long};
+use crate::records;
 use crate::replace_file::replace;
-use crate::session_file::{find, installation, read_around, report_of};
+use crate::series_table;
+use crate::session_file::{find, installation, read_around, report_of, verdict_word};
+use crate::sessions::files_beside;
 use microsim_report::{Language, Page, Report, Verdict};
+use microsim_table::Format;
 use std::path::{Path, PathBuf};
 
 /// Shows the result of a session.
@@ -14,7 +18,7 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
     let session = read_around(&path)?;
     let report = report_of(&session, &path)?;
     let same = |other: &PathBuf| other.canonicalize().ok() == path.canonicalize().ok();
-    if [&args.html, &args.csv, &args.series]
+    if [&args.html, &args.csv, &args.series, &args.table]
         .into_iter()
         .flatten()
         .any(same)
@@ -42,27 +46,25 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
     if let Some(path) = &args.series {
         replace(path, report.series_csv().as_bytes())?;
     }
+    if let (Some(path), Some(format)) = (&args.table, args.table.as_deref().and_then(Format::of)) {
+        series_table::write(&report, format, path)?;
+    }
+    let written = [&args.html, &args.csv, &args.series, &args.table];
+    let written: Vec<&Path> = written
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
+    records::attach(place, &session, &path, &written);
     if args.json {
         print_long(|out| report.write_json(out))?;
     } else {
         print(summary(&report))?;
+        if let Some(name) = records::name_of(place, &session) {
+            print(format!("  trainee {name}"))?;
+        }
     }
     Ok(Exit::Done)
-}
-
-/// The files that a run writes beside its session: page, JSON, metrics and series as CSV. `NAME.session` gives
-/// `NAME.html` and so on; a session of another name keeps its whole name, so that nothing can fall on it.
-pub fn files_beside(session: &Path) -> [PathBuf; 4] {
-    let stem = match session.extension() {
-        Some(extension) if extension == "session" => session.with_extension(""),
-        _ => session.to_path_buf(),
-    };
-    ["html", "json", "metrics.csv", "series.csv"].map(|extension| {
-        let mut name = stem.clone().into_os_string();
-        name.push(".");
-        name.push(extension);
-        PathBuf::from(name)
-    })
 }
 
 /// Writes the files beside a session. Returns the page's path.
@@ -79,17 +81,6 @@ pub fn write_beside(report: &Report, content: &Page, session: &Path) -> Result<P
 pub fn write_page(report: &Report, content: &Page, session: &Path) -> Result<(), Problem> {
     let [page, ..] = files_beside(session);
     replace(&page, report.to_html(content).as_bytes())
-}
-
-/// Name of a verdict for people.
-pub fn verdict_word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Passed => "passed",
-        Verdict::Failed => "failed",
-        Verdict::NotJudged => "not-judged",
-        Verdict::Aborted => "aborted",
-        Verdict::Incomplete => "incomplete",
-    }
 }
 
 /// The report in a few lines.

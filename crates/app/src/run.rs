@@ -5,11 +5,14 @@ use crate::folders::{self, Folders};
 use crate::key_pictures::{key_pictures, not_asked, not_yet};
 use crate::log;
 use crate::motion_length::motion_length;
+use crate::names::name_or_id;
 use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::progress::Progress;
+use crate::records::RunRecord;
 use crate::replace_file::write_new;
-use crate::report::{files_beside, summary, verdict_word, write_beside, write_page};
-use crate::session_file::{installation, is_session, read_around, report_of};
+use crate::report::{summary, write_beside, write_page};
+use crate::session_file::{installation, is_session, read_around, report_of, verdict_word};
+use crate::sessions::files_beside;
 use crate::station;
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
@@ -122,8 +125,9 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
     {
         return Err("--stop-at lies before the checkpoint that the run goes on from".into());
     }
-    let outcome = carry_out(place, &installation, &plan, args, resume)?;
-    finish(&installation, &plan, args, &session, &outcome)
+    let record = RunRecord::begin(place, args, &session)?;
+    let outcome = carry_out(place, &installation, &plan, args, resume, &record)?;
+    finish(&installation, &plan, args, &session, &outcome, &record)
 }
 
 /// Refuses what a run would otherwise overwrite, before it begins.
@@ -187,6 +191,7 @@ fn carry_out(
     plan: &RunPlan,
     args: &RunArgs,
     resume: Option<Checkpoint>,
+    record: &RunRecord,
 ) -> Result<RunOutcome, Problem> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in ENDING {
@@ -220,7 +225,9 @@ fn carry_out(
             .stop_at
             .map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64),
         stop: &stop,
-        trainee: args.trainee.clone(),
+        trainee: record.trainee.map(|id| id.to_string()),
+        session_id: Some(record.id.to_string()),
+        unlisted: args.no_store,
         key: station::key(place)
             .inspect_err(|why| complain(format!("the recording is not signed: {why}")))
             .ok(),
@@ -254,6 +261,7 @@ fn finish(
     args: &RunArgs,
     session: &Path,
     outcome: &RunOutcome,
+    record: &RunRecord,
 ) -> Result<Exit, Problem> {
     for complaint in &outcome.complaints {
         tracing::warn!(target: log::FILE, "{complaint}");
@@ -270,6 +278,13 @@ fn finish(
         (Err(problem), None) => return Err(problem),
     };
     let report = report_of(&recorded, session)?;
+    let files = [&args.frames, &args.checkpoint, &args.trace];
+    let files: Vec<PathBuf> = files.into_iter().flatten().cloned().collect();
+    let entered = record.enter(&recorded, &report, session, &files);
+    if let Some(Err(why)) = &entered {
+        complain(why);
+    }
+    let stored = matches!(entered, Some(Ok(())));
     let draws = !args.json
         && !args.no_pictures
         && installation.host.report.pictures
@@ -281,8 +296,8 @@ fn finish(
     let first = page_with(if draws { not_yet() } else { not_asked() });
     let page = write_beside(&report, &first, session);
     let printed = match (args.json, page.as_deref().ok()) {
-        (true, page) => tell_json(plan, session, page, outcome, &report),
-        (false, page) => print_outcome(args, session, page, outcome, &report),
+        (true, page) => tell_json(plan, session, page, outcome, &report, (record, stored)),
+        (false, page) => print_outcome(args, session, page, outcome, &report, record),
     };
     let is_written = page.is_ok();
     let ended = conclude(plan, args, session, outcome, page, printed)?;
@@ -355,6 +370,7 @@ fn print_outcome(
     page: Option<&Path>,
     outcome: &RunOutcome,
     report: &Report,
+    record: &RunRecord,
 ) -> Result<(), Problem> {
     if outcome.checkpoint.is_some() {
         print(format!(
@@ -363,6 +379,10 @@ fn print_outcome(
         ))?;
     } else {
         print(summary(report))?;
+    }
+    if record.trainee.is_some() {
+        let name = name_or_id(record.name.as_deref(), record.trainee);
+        print(format!("  trainee {name}"))?;
     }
     if outcome.late_ticks > 0 {
         print(format!(
@@ -386,6 +406,7 @@ fn tell_json(
     page: Option<&Path>,
     outcome: &RunOutcome,
     report: &Report,
+    (record, stored): (&RunRecord, bool),
 ) -> Result<(), Problem> {
     print_json(&json!({
         "module": plan.module,
@@ -407,6 +428,9 @@ fn tell_json(
         "state_hash": outcome.state_hash,
         "physics_digest": outcome.physics_digest,
         "session": session,
+        "session_id": record.id,
+        "trainee": record.trainee,
+        "stored": stored,
         "report": page,
         "pictures": outcome.pictures.as_ref().map(|p| json!({
             "written": p.written, "left_out": p.left_out, "off": p.off,

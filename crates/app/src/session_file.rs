@@ -8,7 +8,7 @@ use microsim_host::assemble::{Installation, Places};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::{Session, SessionReader, Signatures, TickRecord};
 use microsim_message::LocalText;
-use microsim_report::{Report, ReportBuilder, ReportInput, TimeSpread};
+use microsim_report::{Report, ReportBuilder, ReportInput, TimeSpread, Verdict};
 use microsim_settings::{ToolSlot, open_regular, read_regular};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -199,6 +199,17 @@ pub fn report_of(session: &Session, path: &Path) -> Result<Report, Problem> {
         builder.add(tick, &record.log);
     }
     Ok(builder.finish())
+}
+
+/// Name of a verdict for people.
+pub fn verdict_word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Passed => "passed",
+        Verdict::Failed => "failed",
+        Verdict::NotJudged => "not-judged",
+        Verdict::Aborted => "aborted",
+        Verdict::Incomplete => "incomplete",
+    }
 }
 
 /// What is wrong with a session.

@@ -48,8 +48,14 @@ pub struct Header {
     pub version: String,
     /// Wall clock at the start, seconds since 1970; for people only.
     pub started: u64,
-    /// Who trains.
+    /// Who trains: an id of the store. In sessions of before 2026-11-25 a name.
     pub trainee: Option<String>,
+    /// Random id of the session; sessions of before 2026-11-25 have none.
+    #[serde(default)]
+    pub id: Option<String>,
+    /// Whether it was left out of the store on purpose.
+    #[serde(default)]
+    pub unlisted: bool,
     /// Whether ticks were paced by the wall clock.
     pub realtime: bool,
     /// What was loaded and computed. Input files are not in it: their samples are in the ticks.

@@ -48,8 +48,12 @@ pub struct RunOptions<'a> {
     pub stop_at: Option<u64>,
     /// Set from outside (Ctrl-C, SIGTERM): the level is aborted, the session closed.
     pub stop: &'a AtomicBool,
-    /// Who trains.
+    /// Who trains: an id of the store.
     pub trainee: Option<String>,
+    /// Id of the session.
+    pub session_id: Option<String>,
+    /// Whether the session stays out of the store.
+    pub unlisted: bool,
     /// What the session is signed with; without a key it is not.
     pub key: Option<StationKey>,
     /// Called after every tick with the simulated time \[s\] and the progress that plugins report.
@@ -135,6 +139,8 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
             version: env!("CARGO_PKG_VERSION").into(),
             started: started.as_secs(),
             trainee: options.trainee.clone(),
+            id: options.session_id.clone(),
+            unlisted: options.unlisted,
             realtime: options.realtime.is_some(),
             plan: recorded_plan(plan),
         },

@@ -54,6 +54,10 @@ pub const KINDS: [(&str, &str); 13] = [
         "config/trainees.toml: how synthetic trainees move. They test the software and validate nothing.",
     ),
     (
+        "course",
+        "config/courses/NAME.toml: levels in order, and when the next one opens; `microsim courses add` takes it into the store.",
+    ),
+    (
         "host",
         "config/host.toml: how the host runs sessions, whatever is trained.",
     ),

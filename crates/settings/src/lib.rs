@@ -18,6 +18,7 @@ mod check;
 mod colour;
 mod contact;
 mod contact_check;
+mod course;
 mod describe;
 mod discover;
 mod document;
@@ -68,6 +69,7 @@ pub use colour::Colour;
 pub use contact::{
     BroadPhase, ContactPair, ContactResponse, CutPair, PenetrationDepth, SceneTool, ToolKey,
 };
+pub use course::{Course, CourseStep, Unlock, load_course, read_course};
 pub use describe::{json_schema, reference};
 pub use discover::{ModuleFolder, Tree, discover, discover_with};
 pub use document::{Document, Loaded};
@@ -140,6 +142,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "recording" => schema_of::<RecordingMap>(kind),
         "script" => schema_of::<Script>(kind),
         "trainees" => schema_of::<Trainees>(kind),
+        "course" => schema_of::<Course>(kind),
         "vessel" => schema_of::<Vessel>(kind),
         "host" => schema_of::<Host>(kind),
         _ => return None,

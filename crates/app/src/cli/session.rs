@@ -1,6 +1,6 @@
 //! Commands that make sessions, and that show them.
 
-use super::value::{parse_input, parse_level, parse_rate, parse_seconds, utf8_path};
+use super::value::{parse_input, parse_level, parse_rate, parse_seconds, table_path, utf8_path};
 use clap::Args;
 use microsim_host::assemble::Input;
 use std::path::PathBuf;
@@ -19,9 +19,12 @@ pub struct RunArgs {
     /// Where the motion comes from: script:FILE, recording:FILE (CSV with its TOML, or a session), openigtlink://HOST:PORT (a tracker) or plugin:NAME
     #[arg(long, value_name = "SOURCE", value_parser = parse_input)]
     pub input: Input,
-    /// Who trains
+    /// Who trains: name or id of a trainee in the store (`microsim trainees add NAME`); the session holds the id alone
     #[arg(long, value_name = "NAME")]
     pub trainee: Option<String>,
+    /// Leave the run out of the store, for good: `store rebuild` leaves its session out as well. With --trainee only an id, as names stand in the store
+    #[arg(long)]
+    pub no_store: bool,
     /// Run without a window (this version has none: every run is headless)
     #[arg(long)]
     pub headless: bool,
@@ -128,6 +131,9 @@ pub struct ReportArgs {
     /// Write motion and forces over time as CSV here
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub series: Option<PathBuf>,
+    /// Write every tool, force and event as one tidy table (time_s, source, quantity, unit, value, text) here: .csv or .parquet
+    #[arg(long, value_name = "FILE", value_parser = table_path)]
+    pub table: Option<PathBuf>,
     /// Print one JSON document
     ///
     /// Keys: format, session, verdict, counts, failed, reasons, duration, simulated, phase, targets_done, targets, score, categories, metrics,

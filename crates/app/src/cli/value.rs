@@ -2,6 +2,8 @@
 
 use microsim_host::assemble::{Input, Isolate};
 use microsim_settings::Override;
+use microsim_store::Role;
+use microsim_table::Format;
 use std::path::PathBuf;
 
 /// Where the motion of a run comes from.
@@ -62,6 +64,24 @@ pub fn parse_rate(text: &str) -> Result<f64, String> {
 /// A time \[s\].
 pub fn parse_seconds(text: &str) -> Result<f64, String> {
     parse_positive(text, "seconds")
+}
+
+/// A table whose name states its format.
+pub fn table_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match Format::of(&path) {
+        Some(_) => Ok(path),
+        None => Err("expected a file that ends in .csv or .parquet".into()),
+    }
+}
+
+pub fn parse_role(text: &str) -> Result<Role, String> {
+    Role::from_name(text).ok_or_else(|| format!("expected {}", Role::NAMES.join(", ")))
+}
+
+/// The beginning of a day in UTC, seconds since 1970.
+pub fn parse_date(text: &str) -> Result<i64, String> {
+    crate::date::parse(text).ok_or_else(|| "expected a day such as 2026-11-25".into())
 }
 
 #[cfg(test)]

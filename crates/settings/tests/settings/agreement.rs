@@ -60,6 +60,7 @@ fn accept(kind: &str, value: &Value) -> Result<(), String> {
         "recording" => parse::<RecordingMap>(value),
         "script" => parse::<Script>(value),
         "trainees" => parse::<Trainees>(value),
+        "course" => parse::<Course>(value),
         "host" => parse::<Host>(value),
         other => panic!("no kind `{other}`"),
     }

@@ -95,6 +95,10 @@ fn a_file_that_is_missing_or_no_text_is_named_with_what_it_should_be() {
             "the kinds of synthetic trainees (config/trainees.toml)".to_owned(),
         ),
         (
+            message(load_course(&missing).err()),
+            "a course (config/courses/NAME.toml)".to_owned(),
+        ),
+        (
             message(load_host(&missing).err()),
             "the settings of the host (config/host.toml)".to_owned(),
         ),

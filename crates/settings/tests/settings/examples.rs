@@ -211,6 +211,20 @@ fn shipped_files_are_right() {
     let names = trainees.settings.profile.iter().map(|p| p.name.as_str());
     assert_eq!(names.collect::<Vec<_>>(), ["expert", "novice"]);
 
+    let course = load_course(&config.join("courses/first-steps.toml")).expect("a course");
+    let steps = course
+        .settings
+        .step
+        .iter()
+        .map(|s| (s.module.as_str(), s.level));
+    let expected = [
+        ("touch-spheres", 1),
+        ("guide-path", 1),
+        ("push-strip", 1),
+        ("push-strip", 2),
+    ];
+    assert_eq!(steps.collect::<Vec<_>>(), expected);
+
     for name in ["dilator", "forceps", "micro-scissors", "probe"] {
         let tool = load_tool(&config.join(format!("tools/{name}.toml")))
             .expect(name)

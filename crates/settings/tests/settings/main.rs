@@ -12,7 +12,7 @@ use microsim_settings::*;
 use serde_json::Value;
 
 /// A full example of each kind: every key of its schema occurs.
-const EXAMPLES: [(&str, &str); 11] = [
+const EXAMPLES: [(&str, &str); 12] = [
     ("manifest", include_str!("../examples/manifest.toml")),
     ("level", include_str!("../examples/level.toml")),
     ("scene", include_str!("../examples/scene.toml")),
@@ -23,6 +23,7 @@ const EXAMPLES: [(&str, &str); 11] = [
     ("recording", include_str!("../examples/recording.toml")),
     ("script", include_str!("../examples/script.toml")),
     ("trainees", include_str!("../examples/trainees.toml")),
+    ("course", include_str!("../examples/course.toml")),
     ("host", include_str!("../examples/host.toml")),
 ];
 
@@ -65,6 +66,7 @@ fn read(kind: &str, text: &str) -> Result<Value, ConfigErrors> {
         "recording" => read_recording_map(text, file)?.document,
         "script" => read_script(text, file)?.document,
         "trainees" => read_trainees(text, file)?.document,
+        "course" => read_course(text, file)?.document,
         "host" => read_host(text, file)?.document,
         other => panic!("no kind `{other}`"),
     };

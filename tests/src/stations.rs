@@ -1,0 +1,240 @@
+//! Folders of users, with trainees and a store of their own, and runs of which some are killed.
+
+use crate::{Finished, command, finish};
+use microsim_host::record::Session;
+use microsim_random::SplitMix64;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A station with a data folder of its own, gone after the test.
+#[derive(Debug)]
+pub struct Station {
+    folder: tempfile::TempDir,
+}
+
+impl Default for Station {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Station {
+    /// Without anything.
+    pub fn new() -> Self {
+        let folder = crate::scratch();
+        fs::create_dir_all(folder.path().join("data/sessions")).expect("folders");
+        Self { folder }
+    }
+
+    /// The folder in which `data` lies, for other files.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The data folder.
+    pub fn data(&self) -> PathBuf {
+        self.folder.path().join("data")
+    }
+
+    /// The store.
+    pub fn store(&self) -> PathBuf {
+        self.data().join("store.sqlite")
+    }
+
+    /// A session of this station.
+    pub fn session(&self, name: &str) -> PathBuf {
+        let sessions = self.data().join("sessions");
+        sessions.join(format!("{name}.session"))
+    }
+
+    /// The program at this station.
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = command(args);
+        command.env("MICROSIM_DATA", self.data());
+        command
+    }
+
+    /// Runs the program at this station.
+    pub fn microsim(&self, args: &[&str]) -> Finished {
+        finish(&mut self.command(args))
+    }
+
+    /// Adds a trainee; the id.
+    ///
+    /// # Panics
+    /// If the program does not.
+    pub fn add(&self, name: &str) -> String {
+        let added = self
+            .microsim(&["trainees", "add", name, "--json"])
+            .expect(0)
+            .json();
+        added["id"].as_str().expect("an id").to_owned()
+    }
+
+    /// A run of level 1 of touch-spheres by a script, `pass` or one that fails, recorded as `name`.
+    pub fn run(&self, name: &str, script: &str, more: &[&str]) -> Command {
+        let input = format!("script:level1-{script}.toml");
+        let mut run = self.command(&["run", "touch-spheres", "--json", "--input", &input]);
+        run.arg("--session").arg(self.session(name)).args(more);
+        run
+    }
+
+    /// All results, by time, without names: those do not stand in sessions.
+    ///
+    /// # Panics
+    /// If the program does not give them.
+    pub fn results(&self) -> Vec<Value> {
+        let printed = self.microsim(&["results", "--json"]).expect(0).json();
+        let results = printed["results"].as_array().expect("a list").clone();
+        let without_name = results.into_iter().map(|mut result| {
+            result["name"] = Value::Null;
+            result
+        });
+        without_name.collect()
+    }
+}
+
+/// What came of runs of which some were killed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KilledRuns {
+    /// Runs.
+    pub runs: usize,
+    /// Of them, those that were killed while their process was there.
+    pub killed: usize,
+    /// Sessions that can be read.
+    pub readable: usize,
+    /// Of them, those with an end.
+    pub finished: usize,
+    /// Sessions with an end that were entered by a later command, as their process was killed before it did.
+    pub caught_up: usize,
+    /// Sessions that can be read and are not in the store.
+    pub missing: Vec<String>,
+    /// Whether the store has the same sessions and results after `store rebuild`.
+    pub same_after_rebuild: bool,
+    /// Whether a store that is made from the sessions alone has the same sessions and results.
+    pub same_as_rebuilt: bool,
+    /// Whether `store check` finds nothing.
+    pub intact: bool,
+}
+
+impl KilledRuns {
+    /// Nothing is lost, and all is as the sessions show it.
+    pub fn is_good(&self) -> bool {
+        self.missing.is_empty() && self.same_after_rebuild && self.same_as_rebuilt && self.intact
+    }
+}
+
+/// Runs `runs` sessions of `trainees` trainees, two at a time on one store, and kills one of each two at a moment that is random over a
+/// little more than the length of a run.
+///
+/// # Panics
+/// If the program cannot be run.
+pub fn killed_runs(runs: usize, trainees: usize, seed: u64) -> KilledRuns {
+    let station = Station::new();
+    let names: Vec<String> = (0..trainees).map(|n| format!("Trainee {n}")).collect();
+    names.iter().for_each(|name| {
+        station.add(name);
+    });
+    let start = Instant::now();
+    let start_run = |n: usize| -> Child {
+        let script = if n.is_multiple_of(3) {
+            "fail-too-slow"
+        } else {
+            "pass"
+        };
+        let trainee = &names[n % trainees];
+        let mut run = station.run(&n.to_string(), script, &["--trainee", trainee]);
+        run.stdout(Stdio::null()).stderr(Stdio::null());
+        run.spawn().expect("the built program starts")
+    };
+    assert!(start_run(0).wait().expect("a run").success());
+    let length = start.elapsed();
+    let mut random = SplitMix64(seed);
+    let mut killed = 0;
+    let mut open: Vec<(Child, Option<Duration>, Instant)> = Vec::new();
+    let mut next = 1;
+    while next < runs || !open.is_empty() {
+        while next < runs && open.len() < 2 {
+            // Every other one, up to a fifth after the time that a run takes alone; beside another it takes longer.
+            let kill = (next % 2 == 1).then(|| length.mul_f64(1.2 * random.number()));
+            open.push((start_run(next), kill, Instant::now()));
+            next += 1;
+        }
+        open.retain_mut(|(child, kill, since)| {
+            if child.try_wait().expect("a process").is_some() {
+                return false;
+            }
+            if kill.is_some_and(|kill| since.elapsed() >= kill) {
+                child.kill().expect("SIGKILL is sent");
+                child.wait().expect("the process ends");
+                killed += 1;
+                return false;
+            }
+            true
+        });
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    examine(&station, runs, killed)
+}
+
+fn examine(station: &Station, runs: usize, killed: usize) -> KilledRuns {
+    let entered = entered(&station.store());
+    let mut read = Vec::new();
+    for n in 0..runs {
+        let path = station.session(&n.to_string());
+        let session = fs::read(&path).ok();
+        let session = session.and_then(|bytes| Session::read(&bytes).ok());
+        if let Some(session) = session {
+            let path = path.canonicalize().expect("a file");
+            read.push((path.display().to_string(), session.end.is_some()));
+        }
+    }
+    let results = station.results();
+    let paths: BTreeSet<&str> = results.iter().filter_map(|r| r["file"].as_str()).collect();
+    let missing = read.iter().filter(|(path, _)| !paths.contains(&path[..]));
+    let missing = missing.map(|(path, _)| path.clone()).collect();
+    let late = |(path, ended): &&(String, bool)| *ended && !entered.contains(path);
+    let caught_up = read.iter().filter(late).count();
+    station.microsim(&["store", "rebuild"]).expect(0);
+    let same_after_rebuild = station.results() == results;
+    let intact = station.microsim(&["store", "check"]).code == Some(0);
+    for end in ["", "-wal", "-shm"] {
+        let mut name = station.store().into_os_string();
+        name.push(end);
+        let _ = fs::remove_file(name);
+    }
+    station.microsim(&["store", "rebuild"]).expect(0);
+    KilledRuns {
+        runs,
+        killed,
+        readable: read.len(),
+        finished: read.iter().filter(|(_, ended)| *ended).count(),
+        caught_up,
+        missing,
+        same_after_rebuild,
+        same_as_rebuilt: station.results() == results,
+        intact,
+    }
+}
+
+/// Files of the sessions that are in a store now, without anything being entered.
+fn entered(store: &Path) -> BTreeSet<String> {
+    let store = microsim_store::Store::open_to_read(store).expect("a store");
+    let paths = store.expect("it is there").session_paths().expect("paths");
+    paths.into_iter().map(|(path, _)| path).collect()
+}
+
+/// Of a result: what an outcome of `run --json` has as well.
+pub fn of_run(printed: &Value) -> Value {
+    json!({
+        "session": printed["session_id"],
+        "verdict": printed["verdict"],
+        "score": printed["score"],
+        "trainee": printed["trainee"],
+        "state_hash": printed["state_hash"],
+    })
+}

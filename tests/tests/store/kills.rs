@@ -1,0 +1,13 @@
+//! A sample of `cargo xtask soak store`.
+
+use microsim_tests::stations::killed_runs;
+
+/// Sixteen runs of four trainees, two at a time on one store, every other one killed.
+#[test]
+fn killed_runs_lose_no_finished_session() {
+    let outcome = killed_runs(16, 4, 20_261_125);
+    println!("{outcome:?}");
+    assert!(outcome.is_good(), "{outcome:?}");
+    // Eight are not killed; of the others some end before their moment.
+    assert!(outcome.finished >= 8 && outcome.killed >= 3, "{outcome:?}");
+}
