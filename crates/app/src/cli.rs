@@ -18,9 +18,8 @@ pub use place::{Place, Verbosity};
 pub use session::{BusArgs, ReplayArgs, ReportArgs, RunArgs, TraineeArgs};
 pub use store::{
     CourseAddArgs, CourseEnrolArgs, CourseProgressArgs, CourseUnlockArgs, CoursesCommand,
-    GroupArgs, NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs,
-    TraineeAddArgs, TraineeExportArgs, TraineeGoneArgs, TraineeListArgs,
-    TraineesCommand,
+    GroupArgs, NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs, TraineeAddArgs,
+    TraineeExportArgs, TraineeGoneArgs, TraineeListArgs, TraineesCommand,
 };
 pub use tree::{
     CheckArgs, CompletionsArgs, DigestsArgs, DoctorArgs, ListArgs, ManArgs, SchemaArgs,

@@ -5,6 +5,7 @@ use crate::date;
 use crate::folders::Folders;
 use crate::names::name_or_id;
 use crate::output::{Exit, Problem, print, print_json};
+use crate::progress::Progress;
 use crate::records::{find, open};
 use crate::session_file::{is_session, open as open_session};
 use crate::sessions::{files_beside, sessions_below};
@@ -30,7 +31,8 @@ fn is_of(path: &Path, trainee: &Trainee) -> Option<bool> {
     if !is_session(path) {
         return None;
     }
-    let session = open_session(path).ok()?;
+    let progress = Progress::new();
+    let session = open_session(path, &progress, "reading the session").ok()?;
     let held = session.session().header.trainee.as_deref()?;
     let is_name = trainee.name.as_deref() == Some(held);
     (is_name || Id::parse(held) == Some(trainee.id)).then_some(is_name)

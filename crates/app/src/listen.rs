@@ -2,7 +2,7 @@
 
 use crate::cli::ListenArgs;
 use crate::output::Problem;
-use crate::progress;
+use crate::progress::Progress;
 use crate::run::ENDING;
 use microsim_host::assemble::{Input, Installation};
 use microsim_host::listen::Listener;
@@ -45,8 +45,7 @@ pub fn listen(
         signal_hook::flag::register_conditional_shutdown(signal, 2, Arc::clone(&stop))?;
         signal_hook::flag::register(signal, Arc::clone(&stop))?;
     }
-    let length = seconds.is_finite().then_some((1e3 * seconds) as u64);
-    let bar = progress::bar(length.filter(|_| is_live), "{bar:30} {eta} left, {msg}");
+    let progress = Progress::new();
     let mut listened = Listened::default();
     let start = Instant::now();
     while !stop.load(Ordering::Relaxed) && listened.duration < seconds {
@@ -67,13 +66,13 @@ pub fn listen(
             break;
         }
         if is_live {
-            bar.set_position((1e3 * now) as u64);
-            bar.set_message(format!("{} samples", listened.samples.len()));
+            let part = seconds.is_finite().then_some(now / seconds);
+            progress.show(part, || format!("{} samples", listened.samples.len()));
             let due = start + Duration::from_secs_f64(now);
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
         }
     }
-    bar.finish_and_clear();
+    progress.clear();
     for failure in listener.stop() {
         crate::output::complain(failure);
     }

@@ -1,6 +1,6 @@
 //! Options of the commands for instruments and trackers.
 
-use super::{parse_input, parse_positive, parse_seconds, utf8_path};
+use super::value::{parse_input, parse_positive, parse_seconds, utf8_path};
 use clap::{Args, Subcommand};
 use microsim_host::assemble::Input;
 use std::path::{Path, PathBuf};

@@ -43,7 +43,7 @@ pub fn parse_override(text: &str) -> Result<Override, String> {
     Override::parse(text)
 }
 
-fn parse_positive(text: &str, what: &str) -> Result<f64, String> {
+pub fn parse_positive(text: &str, what: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err(format!("expected a positive number of {what}")),
