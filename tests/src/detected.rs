@@ -4,7 +4,7 @@ use microsim_contact::{
     CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Key, Point, Sides,
 };
 use microsim_mesh::TetMesh;
-use microsim_tissue::{Contact, ContactSource};
+use microsim_tissue::{Contact, ContactSource, Response};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -126,6 +126,7 @@ impl ContactSource for Detected {
                 offset: 0.0,
                 floor: (point.start_gap + self.overlap).min(0.0),
                 start_gap: point.start_gap,
+                response: Response::Constraint,
                 friction: self.friction,
                 drift: point.drift,
                 normal_force: guess.map_or(normal_force, |place| self.guesses[place].1),

@@ -106,24 +106,21 @@ fn spec(mesh: TetMesh) -> SceneSpec {
             irrigation: None,
             motion: Vec::new(),
         }],
-        obstacles: Vec::new(),
         contacts: vec![ContactSpec::new(
             "block",
             PartnerSpec::Tool("sphere".into()),
         )],
-        cuts: Vec::new(),
         gravity: [0.0; 3],
-        method: Method::QuasiStatic(Newton {
-            iterations: 10,
-            tolerance: 1e-5,
-            must_converge: false,
-        }),
         containment: false,
-        repeat_invalid: true,
         repeat_unconverged: false,
-        tools_touch: false,
-        hand_force: f64::INFINITY,
-        budget: None,
+        ..SceneSpec::new(
+            Vec::new(),
+            Method::QuasiStatic(Newton {
+                iterations: 10,
+                tolerance: 1e-5,
+                must_converge: false,
+            }),
+        )
     }
 }
 
