@@ -185,7 +185,10 @@ fn a_tracker_drives_the_tools_and_may_come_back() {
     assert_eq!(counted, [Some(45), Some(0), Some(0)], "{arrivals}");
     let p99 = arrivals["wait"]["p99"].as_f64().expect("a time");
     assert!(p99 > 0.0 && p99 < 1.0, "{arrivals}");
-    assert!(arrivals["tick"]["p50"].as_f64().expect("a time") > 0.0, "{arrivals}");
+    assert!(
+        arrivals["tick"]["p50"].as_f64().expect("a time") > 0.0,
+        "{arrivals}"
+    );
 
     let mut expected = Vec::new();
     for second in 1..=20 {
@@ -295,7 +298,10 @@ fn a_flood_or_silence_holds_nothing_up() {
     let dropped = printed.json()["arrivals"]["dropped"].as_u64();
     let dropped = dropped.expect("a number") as usize;
     // One sample at each end of the flood, one after the silence; two connections were lost.
-    assert!((50_000..=50_006).contains(&(samples.len() + dropped)), "{dropped}");
+    assert!(
+        (50_000..=50_006).contains(&(samples.len() + dropped)),
+        "{dropped}"
+    );
     // The silence alone is 300 ms of ticks of 8 ms.
     assert!(after - before > 30, "{before} to {after} ticks");
 }

@@ -188,9 +188,15 @@ fn trackers_of_the_library_are_heard() {
             let tool = device(&found, name);
             if stream == "QTDATA" {
                 // Its quaternions are (0, ⅔ cos θ, 1/√3, ⅔ sin θ), of length √7/3: no rotation, and named as such.
-                assert_eq!((&tool["state"], &tool["visible"]), (&json!("never seen"), &json!(0)));
+                assert_eq!(
+                    (&tool["state"], &tool["visible"]),
+                    (&json!("never seen"), &json!(0))
+                );
                 assert!(tool["samples"].as_u64() > Some(20), "{program}: {found}");
-                assert!(ended.err.contains("expected a rotation to within 0.001"), "{ended:?}");
+                assert!(
+                    ended.err.contains("expected a rotation to within 0.001"),
+                    "{ended:?}"
+                );
                 continue;
             }
             assert_eq!(tool["state"], "tracked", "{program}: {found}");

@@ -246,10 +246,16 @@ fn an_opening_comes_from_a_device_of_its_own() {
     // It holds until another one comes, and is that of an end beyond it.
     let alone = Message::Matrices(vec![tool("Left", STRAIGHT)]);
     let arrived = receive(&mut own, Timestamp(2 << 32), &alone);
-    assert_eq!((seen(&arrived).len(), arrived.samples[0].opening), (1, Some(opening)));
+    assert_eq!(
+        (seen(&arrived).len(), arrived.samples[0].opening),
+        (1, Some(opening))
+    );
     let wide = Message::Matrices(vec![tool("Jaws", at(9.0)), tool("Left", STRAIGHT)]);
     let arrived = receive(&mut own, Timestamp(3 << 32), &wide);
-    assert_eq!((seen(&arrived).len(), arrived.samples[0].opening), (1, Some(1.0)));
+    assert_eq!(
+        (seen(&arrived).len(), arrived.samples[0].opening),
+        (1, Some(1.0))
+    );
 }
 
 /// Of a marker the position counts, with an orientation, without one, or with one that is none.
@@ -270,7 +276,10 @@ fn a_marker_has_a_position_alone() {
     };
     let list = Message::Matrices(vec![tool("left-1", broken), tool("left", broken)]);
     let arrived = receive(&mut own, Timestamp(2 << 32), &list);
-    assert_eq!(seen(&arrived), [("left-1", 2.0, true), ("left", 2.0, false)]);
+    assert_eq!(
+        seen(&arrived),
+        [("left-1", 2.0, true), ("left", 2.0, false)]
+    );
     // A position that is none is not seen.
     let nowhere = Position {
         position: [f32::NAN, 0.0, 0.0],
@@ -298,5 +307,8 @@ fn times_count_from_the_first_sample_where_the_senders_clock_decides() {
     assert_eq!((before.samples.len(), before.notes.len()), (0, 1));
     let without = receive(&mut own, Timestamp::default(), &transform);
     assert_eq!(without.samples, []);
-    assert!(without.notes[0].1.contains("`clock` is \"device\""), "{without:?}");
+    assert!(
+        without.notes[0].1.contains("`clock` is \"device\""),
+        "{without:?}"
+    );
 }
