@@ -13,13 +13,12 @@ const PYIGTL: &str = "pyigtl==0.3.4";
 const EXAMPLES: &str = "/usr/share/doc/openigtlink-examples/examples";
 const HEADERS: &str = "/usr/include/openigtlink";
 /// Examples that are built.
-const PROGRAMS: [&str; 6] = [
+const PROGRAMS: [&str; 5] = [
     "Tracker/TrackerServer",
     "Tracker/TrackerClient",
     "TrackingData/TrackingDataServer",
     "QuaternionTrackingData/QuaternionTrackingDataServer",
     "Receiver/ReceiveClient",
-    "Status/StatusServer",
 ];
 
 /// A process that ends with this value.

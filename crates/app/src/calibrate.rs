@@ -78,9 +78,9 @@ fn conclude(
 fn calibrate_pivot(place: &Place, args: &PivotArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
     let translator = translator(&installation)?;
-    let device = device_of(&translator, &args.tool);
     let samples = listen(&installation, &args.listen, SECONDS)?.samples;
     let samples = without_markers(&translator, samples)?;
+    let device = device_of(&translator, &args.tool, &samples);
     let of_device: Vec<&InputSample> = samples
         .iter()
         .map(|(_, sample)| sample)
@@ -292,9 +292,9 @@ fn samples_of(
     default: f64,
 ) -> Result<(String, Vec<(f64, InputSample)>), Problem> {
     let translator = translator(installation)?;
-    let device = device_of(&translator, tool);
     let samples = listen(installation, args, default)?.samples;
     let samples = without_markers(&translator, samples)?;
+    let device = device_of(&translator, tool, &samples);
     match samples.iter().any(|(_, sample)| sample.device == device) {
         true => Ok((device, samples)),
         false => Err(nothing_of(&device, &samples).into()),

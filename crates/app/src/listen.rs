@@ -85,11 +85,13 @@ pub fn translator(installation: &Installation) -> Result<Translator, Problem> {
     Ok(load_translator(&path).map_err(|e| e.to_string())?.settings)
 }
 
-/// The device that drives a tool, or the device of this name.
-pub fn device_of(translator: &Translator, tool: &str) -> String {
-    let mut listed = translator.device.iter();
-    let listed = listed.find(|device| device.tool == tool || device.name == tool);
-    listed.map_or_else(|| tool.to_owned(), |device| device.name.clone())
+/// The device of a tool among those that sent something: one that the translator's file lists for it, or the one of its own name.
+pub fn device_of(translator: &Translator, tool: &str, samples: &[(f64, InputSample)]) -> String {
+    let listed = translator.device.iter();
+    let listed = listed.filter(|device| device.tool == tool || device.name == tool);
+    let mut names = listed.map(|device| &device.name[..]).chain([tool]);
+    let has_come = |name: &&str| samples.iter().any(|(_, sample)| sample.device == *name);
+    names.find(has_come).unwrap_or(tool).to_owned()
 }
 
 /// Samples in which markers have become the devices that they make up.
