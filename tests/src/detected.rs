@@ -4,7 +4,7 @@ use microsim_contact::{
     CapsuleMotion, ContactPair, ContactSurface, Detector, Frame, Key, Point, Sides,
 };
 use microsim_mesh::TetMesh;
-use microsim_tissue::{Contact, ContactSource};
+use microsim_tissue::{Contact, ContactSource, Response};
 use nalgebra::Vector3;
 
 type V3 = Vector3<f64>;
@@ -131,6 +131,7 @@ impl ContactSource for Detected {
                 normal_force: guess.map_or(normal_force, |place| self.guesses[place].1),
                 friction_force: friction_force - normal * normal.dot(&friction_force),
                 is_sliding: false,
+                response: Response::Constraint,
             };
             contact.offset = contact.gap(positions) - point.gap;
             contacts.push(contact);
