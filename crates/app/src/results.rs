@@ -348,6 +348,9 @@ fn compare(store: &Store, asked: [&String; 2], as_json: bool) -> Result<Exit, Pr
         row(&format!("  {id}"), values, "", "higher", [false; 2])?;
     }
     for (of_a, of_b) in pairs {
+        if of_a.value.is_none() && of_b.value.is_none() {
+            continue;
+        }
         let metric = &of_a.metric;
         let values = [of_a, of_b].map(|m| m.value.map(|v| v * metric.display_factor));
         let outside = [of_a, of_b].map(|m| m.within == Some(false));
