@@ -24,7 +24,7 @@ fn id(random: &mut SplitMix64) -> Id {
 }
 
 fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
-    let metrics = (0..METRICS).map(|k| {
+    let mut measured = |k| {
         let value = random.number();
         Measured {
             metric: Metric {
@@ -44,7 +44,8 @@ fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
             within: Some(value <= 0.8),
             score: Some(100.0 * value),
         }
-    });
+    };
+    let metrics = (0..METRICS).map(&mut measured).collect();
     let passed = random.number() < 0.7;
     Session {
         id: id(random),
@@ -79,7 +80,7 @@ fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
         categories: ["efficiency", "handling", "target"]
             .map(|c| (c.to_owned(), 80.0))
             .to_vec(),
-        metrics: metrics.collect(),
+        metrics,
     }
 }
 
