@@ -132,7 +132,6 @@ impl ContactSource for Detected {
                 normal_force: guess.map_or(normal_force, |place| self.guesses[place].1),
                 friction_force: friction_force - normal * normal.dot(&friction_force),
                 is_sliding: false,
-                response: Response::Constraint,
             };
             contact.offset = contact.gap(positions) - point.gap;
             contacts.push(contact);
