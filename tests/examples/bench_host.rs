@@ -174,7 +174,7 @@ fn whole_runs() -> Vec<Row> {
                     version: String::new(),
                     started: 0,
                     trainee: None,
-                    session_id: None,
+                    id: None,
                     unlisted: true,
                     realtime: false,
                     plan: plan.clone(),
