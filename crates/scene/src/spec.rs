@@ -384,7 +384,7 @@ impl ContactSpec {
 pub enum ContactResponse {
     /// Non-penetration of all contacts together, found along the whole step.
     Constraint,
-    /// Springs to the surface half-way between.
+    /// Springs to the surface midway between.
     Penalty {
         /// Stiffness of each \[N/m\], above 0.
         stiffness: f64,

@@ -41,7 +41,7 @@ terms! {
     pub enum ContactResponse {
         /// All contacts together, found along the whole step.
         Constraint = "constraint",
-        /// Springs to the surface half-way between.
+        /// Springs to the surface midway between.
         Penalty = "penalty",
         /// Forces that bring each node to the surface by themselves.
         TargetForce = "target-force",

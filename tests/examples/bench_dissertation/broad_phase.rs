@@ -1,6 +1,6 @@
 //! Section 4.3, figures 4.11 to 4.13: which nodes of one tube are in which tetrahedra of the other, while one passes through the other.
 //!
-//! What is timed is what the dissertation timed: all that finds these pairs, from new positions on, both ways; nothing is resolved. Every method must
+//! What is timed is what the dissertation timed: all that finds these pairs, from new positions on, of each tube in the other; nothing is resolved. Every method must
 //! find the same pairs.
 
 use crate::plot::{Line, log_log};
