@@ -42,11 +42,15 @@ fn samples(session: &Path) -> Vec<InputSample> {
     samples.map(|sample| sample.expect("a sample")).collect()
 }
 
-/// The samples of a script that the level has, at its rate.
-fn scripted(script: &Path) -> (Vec<InputSample>, f64) {
+/// Samples per second \[Hz\]: their times are multiples of 2⁻⁶ s, which are exact in the stamps of the protocol and come through pyigtl, whose conversion of other times is
+/// off by some nanoseconds.
+const RATE: f64 = 64.0;
+
+/// The samples of a script that the level has.
+fn scripted(script: &Path) -> Vec<InputSample> {
     let script = load_script(script).expect("a script").settings;
     let motion = script.motion().expect("a motion");
-    (motion.samples(script.rate).collect(), script.rate)
+    motion.samples(RATE).collect()
 }
 
 /// As pyigtl sends them: the opening of a tool as the x coordinate of a device of its own, before its pose.
@@ -74,7 +78,7 @@ fn sent(samples: &[InputSample]) -> Value {
 }
 
 /// A script with a key for each sample.
-fn script_of(samples: &[InputSample], rate: f64) -> String {
+fn script_of(samples: &[InputSample]) -> String {
     let mut tools: BTreeMap<&str, String> = BTreeMap::new();
     for sample in samples {
         let keys = tools.entry(&sample.device).or_default();
@@ -91,7 +95,7 @@ fn script_of(samples: &[InputSample], rate: f64) -> String {
         .iter()
         .map(|(name, keys)| format!("[[tool]]\nname = \"{name}\"\n{keys}"));
     format!(
-        "rate = {rate:?}\ninterpolation = \"linear\"\n{}",
+        "rate = {RATE:?}\ninterpolation = \"linear\"\n{}",
         tools.collect::<String>()
     )
 }
@@ -102,19 +106,8 @@ fn check(module: &str, level: &str, script: &str) {
     };
     let folder = scratch();
     let at = |name: &str| folder.path().join(name);
-    let (mut wanted, rate) = scripted(
-        &repository()
-            .join("modules")
-            .join(module)
-            .join("scripts")
-            .join(script),
-    );
-    // A script is sampled up to its last key rounded up; so that it ends with the last of these, one is left out where rounding would add one.
-    let last = |samples: &[InputSample]| samples.last().expect("samples").device_time;
-    while (last(&wanted) * rate).ceil() != (last(&wanted) * rate).round() {
-        let end = last(&wanted);
-        wanted.retain(|sample| sample.device_time < end);
-    }
+    let scripts = repository().join("modules").join(module).join("scripts");
+    let wanted = scripted(&scripts.join(script));
     fs::write(at("motion.json"), sent(&wanted).to_string()).expect("the motion");
 
     let port = free_port();
@@ -173,7 +166,7 @@ fn check(module: &str, level: &str, script: &str) {
     for sample in &wanted[came.len().min(wanted.len())..] {
         all.push(sample.clone());
     }
-    fs::write(at("same.toml"), script_of(&all, rate)).expect("the script");
+    fs::write(at("same.toml"), script_of(&all)).expect("the script");
     let input = format!("script:{}", at("same.toml").display());
     let same = played(module, level, None, &input, &at("same.session"));
     for key in ["verdict", "score", "ticks", "physics_digest"] {
