@@ -160,7 +160,8 @@ pub fn killed_runs(runs: usize, trainees: usize, seed: u64) -> KilledRuns {
     while next < runs || !open.is_empty() {
         while next < runs && open.len() < 2 {
             // Every other one, up to a fifth after the time that a run takes alone; beside another it takes longer.
-            let kill = (next % 2 == 1).then(|| length.mul_f64(1.2 * random.number()));
+            let kill =
+                (next % 2 == 1).then(|| length.mul_f64(1.2e-6 * random.below(1_000_000) as f64));
             open.push((start_run(next), kill, Instant::now()));
             next += 1;
         }
