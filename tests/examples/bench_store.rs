@@ -23,30 +23,36 @@ fn id(random: &mut SplitMix64) -> Id {
     Id::from_random(bytes)
 }
 
+/// A number from 0 to 1.
+fn fraction(random: &mut SplitMix64) -> f64 {
+    1e-6 * random.below(1_000_000) as f64
+}
+
 fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
-    let mut measured = |k| {
-        let value = random.number();
-        Measured {
-            metric: Metric {
-                id: format!("metric-{k}"),
-                title: format!("Metric number {k}"),
-                unit: "m".into(),
-                display_unit: "mm".into(),
-                display_factor: 1e3,
-                direction: "lower-is-better".into(),
-                category: "efficiency".into(),
-                formula: format!("metric-{k}/1"),
-            },
-            value: Some(value),
-            min: None,
-            max: Some(0.8),
-            decides: Some(true),
-            within: Some(value <= 0.8),
-            score: Some(100.0 * value),
-        }
-    };
-    let metrics = (0..METRICS).map(&mut measured).collect();
-    let passed = random.number() < 0.7;
+    let metrics: Vec<Measured> = (0..METRICS)
+        .map(|k| {
+            let value = fraction(random);
+            Measured {
+                metric: Metric {
+                    id: format!("metric-{k}"),
+                    title: format!("Metric number {k}"),
+                    unit: "m".into(),
+                    display_unit: "mm".into(),
+                    display_factor: 1e3,
+                    direction: "lower-is-better".into(),
+                    category: "efficiency".into(),
+                    formula: format!("metric-{k}/1"),
+                },
+                value: Some(value),
+                min: None,
+                max: Some(0.8),
+                decides: Some(true),
+                within: Some(value <= 0.8),
+                score: Some(100.0 * value),
+            }
+        })
+        .collect();
+    let passed = fraction(random) < 0.7;
     Session {
         id: id(random),
         path: format!("/home/user/.local/share/microsim/sessions/touch-spheres-level1-{n}.session"),
@@ -54,7 +60,7 @@ fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
         module: "touch-spheres".into(),
         level: 1 + (n % 5) as u32,
         started: 1_700_000_000 + 600 * n as i64,
-        simulated: 60.0 * random.number(),
+        simulated: 60.0 * fraction(random),
         finished: true,
         seed: random.bits(),
         input: "openigtlink://127.0.0.1:18944".into(),
@@ -73,10 +79,10 @@ fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
         } else {
             vec!["too-slow".into()]
         },
-        duration: 60.0 * random.number(),
+        duration: 60.0 * fraction(random),
         targets_done: 6,
         targets: 6,
-        score: Some(100.0 * random.number()),
+        score: Some(100.0 * fraction(random)),
         categories: ["efficiency", "handling", "target"]
             .map(|c| (c.to_owned(), 80.0))
             .to_vec(),

@@ -139,28 +139,31 @@ pub fn killed_runs(runs: usize, trainees: usize, seed: u64) -> KilledRuns {
     names.iter().for_each(|name| {
         station.add(name);
     });
-    let start = Instant::now();
+    // Every third fails, and takes longer.
+    let fails = |n: usize| n.is_multiple_of(3);
     let start_run = |n: usize| -> Child {
-        let script = if n.is_multiple_of(3) {
-            "fail-too-slow"
-        } else {
-            "pass"
-        };
+        let script = if fails(n) { "fail-too-slow" } else { "pass" };
         let trainee = &names[n % trainees];
         let mut run = station.run(&n.to_string(), script, &["--trainee", trainee]);
         run.stdout(Stdio::null()).stderr(Stdio::null());
         run.spawn().expect("the built program starts")
     };
-    assert!(start_run(0).wait().expect("a run").success());
-    let length = start.elapsed();
+    // Lengths of one that fails and one that passes.
+    let lengths = [0, 1].map(|n| {
+        let start = Instant::now();
+        assert!(start_run(n).wait().expect("a run").success());
+        start.elapsed()
+    });
     let mut random = SplitMix64(seed);
     let mut killed = 0;
     let mut open: Vec<(Child, Option<Duration>, Instant)> = Vec::new();
-    let mut next = 1;
+    let mut next = 2;
     while next < runs || !open.is_empty() {
         while next < runs && open.len() < 2 {
-            // Every other one, up to a fifth after the time that a run takes alone; beside another it takes longer.
-            let kill = (next % 2 == 1).then(|| length.mul_f64(1.2 * random.number()));
+            // Every other one, up to a fifth after the time that it takes alone; beside another it takes longer.
+            let length = lengths[usize::from(!fails(next))];
+            let part = 1.2e-6 * random.below(1_000_000) as f64;
+            let kill = (next % 2 == 1).then(|| length.mul_f64(part));
             open.push((start_run(next), kill, Instant::now()));
             next += 1;
         }

@@ -119,7 +119,7 @@ fn mistakes_in_courses_are_named() {
     );
 }
 
-/// A value among those of a population that was imported: 12.5 % of what lies between the 10th and the 90th percentile.
+/// A value among those of a population that was imported: 12.5 % of the distance from the 10th to the 90th percentile.
 #[test]
 fn values_stand_in_a_population() {
     let station = Station::new();

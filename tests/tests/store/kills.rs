@@ -8,6 +8,6 @@ fn killed_runs_lose_no_finished_session() {
     let outcome = killed_runs(16, 4, 20_261_125);
     println!("{outcome:?}");
     assert!(outcome.is_good(), "{outcome:?}");
-    // Eight are not killed; of the others some end before their moment.
-    assert!(outcome.finished >= 8 && outcome.killed >= 3, "{outcome:?}");
+    // Nine are not killed; of the seven others some end before their moment.
+    assert!(outcome.finished >= 9 && outcome.killed >= 2, "{outcome:?}");
 }
