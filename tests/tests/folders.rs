@@ -319,6 +319,9 @@ fn a_log_has_what_was_done_and_no_names() {
         "--trainee",
         "A. Muster",
     ];
+    station
+        .microsim(&["trainees", "add", "A. Muster"])
+        .expect(0);
     station.microsim(&run).expect(0);
     station.microsim(&["report", "no.session"]).expect(2);
     station.microsim(&["list"]).expect(0);

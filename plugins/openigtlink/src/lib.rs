@@ -10,12 +10,14 @@
 
 mod conversation;
 mod link;
+mod notes;
 mod paced;
 
-use link::{Link, Queue};
+use link::Link;
 use microsim_sdk::message::InputTiming;
-use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{LinkClock, OpenIgtLink};
+use notes::log;
 use paced::Paced;
 use std::time::Instant;
 
@@ -25,17 +27,6 @@ pub struct TrackerSource {
     link: Option<Link>,
     /// Where the clock of the peer decides.
     paced: Option<Paced>,
-}
-
-/// Hands notes to the log.
-fn log(tick: &mut Tick<'_>, queue: &mut Queue) {
-    for (is_warning, note) in queue.notes.drain(..) {
-        let level = match is_warning {
-            true => LogLevel::Warn,
-            false => LogLevel::Info,
-        };
-        tick.log(level, note);
-    }
 }
 
 impl Plugin for TrackerSource {

@@ -2,7 +2,7 @@
 //! from behind it has come, or the peer has closed the connection. What a run gives then depends on the samples alone.
 
 use crate::link::Link;
-use crate::log;
+use crate::notes::log;
 use microsim_sdk::message::{InputEnd, InputSample};
 use microsim_sdk::{Fault, Tick};
 use std::collections::VecDeque;

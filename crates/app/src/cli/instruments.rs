@@ -26,6 +26,8 @@ pub struct DevicesArgs {
     #[command(flatten)]
     pub listen: ListenArgs,
     /// Print one JSON document
+    ///
+    /// Keys: listened_s, dropped, devices
     #[arg(long)]
     pub json: bool,
 }
@@ -48,6 +50,8 @@ pub struct RecordInputArgs {
     #[arg(long, value_name = "TEXT", default_value = "unknown")]
     pub licence: String,
     /// Print one JSON document
+    ///
+    /// Keys: file, map, samples, rows, devices, left_out, dropped, listened_s
     #[arg(long)]
     pub json: bool,
 }

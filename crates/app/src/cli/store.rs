@@ -265,6 +265,8 @@ pub struct ResultsArgs {
     #[arg(long, requires = "export")]
     pub no_names: bool,
     /// Print one JSON document
+    ///
+    /// Keys: results, learning_curve; with --compare a, b, same_level, score_difference, metrics; with --export sessions, file
     #[arg(long)]
     pub json: bool,
 }
