@@ -113,6 +113,8 @@ impl Passage {
         let (mut boxes, mut pairs) = (Vec::new(), Vec::new());
         let mut found = Vec::new();
         let mut times = Vec::new();
+        // What lies on a face counts as inside, to rounding.
+        let bounds = |corners: &[Point; 4]| Aabb::of(corners).inflated(1e-6 * self.mean_edge);
         for position in 0..POSITIONS {
             let second = self.second(position);
             let start = thread_time();
@@ -138,12 +140,12 @@ impl Passage {
                     boxes.extend(nodes.iter().map(|node| Aabb::of(&[*node])));
                     hash.rebuild(cell * self.mean_edge, &boxes);
                     for tet in tets() {
-                        hash.visit(&Aabb::of(&corners(tet)), |node| {
+                        hash.visit(&bounds(&corners(tet)), |node| {
                             inside += usize::from(is_in(&nodes[node as usize], tet));
                         });
                     }
                 } else {
-                    boxes.extend(tets().map(|tet| Aabb::of(&corners(tet))));
+                    boxes.extend(tets().map(|tet| bounds(&corners(tet))));
                     let tree = &mut trees[side];
                     tree.refit(&boxes);
                     boxes.clear();
