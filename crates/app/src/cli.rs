@@ -14,9 +14,8 @@ pub use place::Place;
 pub use session::{BusArgs, ReplayArgs, ReportArgs, RunArgs, TraineeArgs};
 pub use store::{
     CourseAddArgs, CourseEnrolArgs, CourseProgressArgs, CourseUnlockArgs, CoursesCommand,
-    GroupArgs, NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs,
-    TraineeAddArgs, TraineeExportArgs, TraineeGoneArgs, TraineeListArgs,
-    TraineesCommand,
+    GroupArgs, NameArgs, RebuildArgs, ResultsArgs, StoreCommand, StoreFileArgs, TraineeAddArgs,
+    TraineeExportArgs, TraineeGoneArgs, TraineeListArgs, TraineesCommand,
 };
 pub use tree::{CheckArgs, DigestsArgs, ListArgs, SchemaArgs};
 
