@@ -13,7 +13,7 @@ pub enum Response {
     /// All such contacts of a step together: no gap below its floor, no force where one is above it.
     #[default]
     Constraint,
-    /// A spring between each side and the surface half-way between them, by the gap g at the start of the step (dissertation 4.3): λ = −½ k g; where the
+    /// A spring between each side and the surface midway between them, by the gap g at the start of the step (dissertation 4.3): λ = −½ k g; where the
     /// other side is rigid, one spring to it: λ = −k g.
     Penalty {
         /// k \[N/m\], above 0.
