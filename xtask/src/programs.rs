@@ -125,7 +125,7 @@ pub const SOAKS: &[Program] = &[
     },
     Program {
         name: "igtl",
-        package: "microsim-igtl",
+        package: TESTS,
         example: "soak_igtl",
         shows: "mutated frames of real trackers into the decoder (-- MINUTES SEED)",
     },

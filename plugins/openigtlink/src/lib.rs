@@ -12,9 +12,9 @@ mod conversation;
 mod link;
 mod paced;
 
-use link::{Link, Queue};
+use link::Link;
 use microsim_sdk::message::InputTiming;
-use microsim_sdk::{Fault, LogLevel, Plugin, Services, Setup, Tick, export_plugin};
+use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{LinkClock, OpenIgtLink};
 use paced::Paced;
 use std::time::Instant;
@@ -25,17 +25,6 @@ pub struct TrackerSource {
     link: Option<Link>,
     /// Where the clock of the peer decides.
     paced: Option<Paced>,
-}
-
-/// Hands notes to the log.
-fn log(tick: &mut Tick<'_>, queue: &mut Queue) {
-    for (is_warning, note) in queue.notes.drain(..) {
-        let level = match is_warning {
-            true => LogLevel::Warn,
-            false => LogLevel::Info,
-        };
-        tick.log(level, note);
-    }
 }
 
 impl Plugin for TrackerSource {
@@ -69,7 +58,7 @@ impl Plugin for TrackerSource {
             return paced.process(link, tick);
         }
         let mut arrived = link.take();
-        log(tick, &mut arrived);
+        arrived.log(tick);
         if !arrived.samples.is_empty() || arrived.dropped > 0 {
             let now = Instant::now();
             let wait = |at: &Instant| now.saturating_duration_since(*at).as_secs_f64();

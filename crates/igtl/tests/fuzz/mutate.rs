@@ -1,4 +1,4 @@
-//! Mutations of real frames, and what has to hold for whatever the decoder is given: `tests/mutated.rs` runs a sample of them, `examples/soak_igtl.rs` as many as there is
+//! Mutations of real frames, and what has to hold for whatever the decoder is given: `tests/mutated.rs` runs a sample of them, `tests/examples/soak_igtl.rs` of the workspace as many as there is
 //! time for.
 
 use microsim_igtl::{Decoder, Message, Timestamp, encode};

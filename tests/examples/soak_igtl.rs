@@ -1,7 +1,7 @@
 //! `cargo xtask soak igtl -- MINUTES SEED`: mutated frames of real peers into the decoder for as long as one likes, ten minutes otherwise. A stream that breaks a rule is
 //! printed as hexadecimal with the seed that makes it, and the exit status is 1.
 
-#[path = "../tests/fuzz/mutate.rs"]
+#[path = "../../crates/igtl/tests/fuzz/mutate.rs"]
 mod mutate;
 
 use mutate::{Numbers, check, corpus, stream};
