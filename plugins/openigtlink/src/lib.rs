@@ -10,14 +10,12 @@
 
 mod conversation;
 mod link;
-mod notes;
 mod paced;
 
 use link::Link;
 use microsim_sdk::message::InputTiming;
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::{LinkClock, OpenIgtLink};
-use notes::log;
 use paced::Paced;
 use std::time::Instant;
 
@@ -60,7 +58,7 @@ impl Plugin for TrackerSource {
             return paced.process(link, tick);
         }
         let mut arrived = link.take();
-        log(tick, &mut arrived);
+        arrived.log(tick);
         if !arrived.samples.is_empty() || arrived.dropped > 0 {
             let now = Instant::now();
             let wait = |at: &Instant| now.saturating_duration_since(*at).as_secs_f64();

@@ -3,6 +3,7 @@
 use crate::conversation::Conversation;
 use microsim_igtl::Decoder;
 use microsim_sdk::message::InputSample;
+use microsim_sdk::{LogLevel, Tick};
 use microsim_settings::{LinkClock, LinkRole, OpenIgtLink};
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
@@ -46,6 +47,17 @@ impl Queue {
                 self.dropped += 1;
             }
             self.samples.push_back((now, sample));
+        }
+    }
+
+    /// Hands the notes to the log.
+    pub fn log(&mut self, tick: &mut Tick<'_>) {
+        for (is_warning, note) in self.notes.drain(..) {
+            let level = match is_warning {
+                true => LogLevel::Warn,
+                false => LogLevel::Info,
+            };
+            tick.log(level, note);
         }
     }
 

@@ -2,7 +2,6 @@
 //! from behind it has come, or the peer has closed the connection. What a run gives then depends on the samples alone.
 
 use crate::link::Link;
-use crate::notes::log;
 use microsim_sdk::message::{InputEnd, InputSample};
 use microsim_sdk::{Fault, Tick};
 use std::collections::VecDeque;
@@ -50,7 +49,7 @@ impl Paced {
                 .is_none_or(|last| last.device_time <= end)
         {
             let mut arrived = link.take();
-            log(tick, &mut arrived);
+            arrived.log(tick);
             let has_come = !arrived.samples.is_empty();
             self.has_begun |= has_come;
             self.waiting

@@ -13,14 +13,17 @@ use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Python takes some seconds to start where other work is beside it, an example of the library none.
+const OF_PYTHON: u32 = 15;
+const OF_LIBRARY: u32 = 3;
 
-/// What the program receives with these settings of the connection.
-fn heard(settings: &str, input: &str) -> Finished {
+/// What the program receives with these settings of the connection in so many seconds.
+fn heard(settings: &str, input: &str, seconds: u32) -> Finished {
     let folder = scratch();
     let config = config_with(folder.path(), "openigtlink.toml", settings);
     let mut devices = command(["--config".as_ref(), config.as_os_str()]);
-    devices.args(["devices", "--json", "--seconds", "3", "--input", input]);
-    finish(&mut devices)
+    devices.args(["devices", "--json", "--input", input]);
+    finish(devices.arg("--seconds").arg(seconds.to_string()))
 }
 
 /// The device of this name.
@@ -91,9 +94,13 @@ fn pyigtl_is_heard_as_server_and_as_client() {
     );
     let settings = "stream = \"none\"\nretry = \"50 ms\"";
     check(
-        &heard(settings, &format!("openigtlink://127.0.0.1:{port}"))
-            .expect(0)
-            .json(),
+        &heard(
+            settings,
+            &format!("openigtlink://127.0.0.1:{port}"),
+            OF_PYTHON,
+        )
+        .expect(0)
+        .json(),
     );
     drop(server);
     let port = free_port().to_string();
@@ -103,7 +110,9 @@ fn pyigtl_is_heard_as_server_and_as_client() {
         "play.py",
         [&port[..], motion.to_str().expect("UTF-8")],
     );
-    let heard = heard(&settings, "plugin:openigtlink").expect(0).json();
+    let heard = heard(&settings, "plugin:openigtlink", OF_PYTHON)
+        .expect(0)
+        .json();
     check(&heard);
     // All 200, by the clock of the sender.
     assert_eq!(device(&heard, "left")["samples"], 200);
@@ -134,9 +143,13 @@ fn trackers_of_the_library_are_heard() {
         "stream = \"none\"\nretry = \"50 ms\"\n[[device]]\nname = \"Tracker\"\ndevice = \"right\"";
     let port = free_port().to_string();
     let server = start_example(&folder, "TrackerServer", &[port.clone(), "100".into()]);
-    let found = heard(unasked, &format!("openigtlink://127.0.0.1:{port}"))
-        .expect(0)
-        .json();
+    let found = heard(
+        unasked,
+        &format!("openigtlink://127.0.0.1:{port}"),
+        OF_LIBRARY,
+    )
+    .expect(0)
+    .json();
     drop(server);
     let right = device(&found, "right");
     assert_eq!(
@@ -164,7 +177,9 @@ fn trackers_of_the_library_are_heard() {
         }
         None
     });
-    let found = heard(&settings, "plugin:openigtlink").expect(0).json();
+    let found = heard(&settings, "plugin:openigtlink", OF_LIBRARY)
+        .expect(0)
+        .json();
     drop(client.join().expect("no panic"));
     assert_eq!(device(&found, "right")["late"], 0, "{found}");
 
@@ -181,7 +196,12 @@ fn trackers_of_the_library_are_heard() {
             .collect();
         let settings =
             format!("stream = \"{stream}\"\ninterval = \"20 ms\"\nretry = \"50 ms\"\n{named}");
-        let ended = heard(&settings, &format!("openigtlink://127.0.0.1:{port}")).expect(0);
+        let ended = heard(
+            &settings,
+            &format!("openigtlink://127.0.0.1:{port}"),
+            OF_LIBRARY,
+        )
+        .expect(0);
         drop(server);
         let found = ended.json();
         for name in ["left", "right", "other"] {
