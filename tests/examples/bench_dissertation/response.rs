@@ -64,7 +64,7 @@ fn settings(stiffness: Option<f64>, keys: &[&str]) -> Vec<String> {
 pub fn measure(text: &mut String) -> Result<Vec<(&'static str, String)>, String> {
     let _ = writeln!(
         text,
-        "\n## 4.3: response\n\nThe scene `five-bodies` with the dissertation's integrator (`velocity-verlet-lagged`, steps of 0.1 ms), without friction, {DURATION} s. A penalty is a spring to the surface half-way between; \
+        "\n## 4.3: response\n\nThe scene `five-bodies` with the dissertation's integrator (`velocity-verlet-lagged`, steps of 0.1 ms), without friction, {DURATION} s. A penalty is a spring to the surface midway between; \
          60 N/m is Young's modulus times an edge. Nodes inside are found after the step, as in the dissertation, but for constraints, which see the whole step, and edges. The dissertation reports that with penalties and the \
          nearest surface point the run breaks off (figure 4.15), that with consistent depth it goes on and vibrates at times, and that target forces hold (figure 4.16) but for edges that cross. Deepest: of any node, at any time. \
          Crossings: edges through faces of the other surface at the end. At rest: mean kinetic energy after {AT_REST} s, over the weight of all times a tenth of an edge (0.4 mm).\n\n\
