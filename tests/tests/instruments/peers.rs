@@ -115,7 +115,7 @@ fn pyigtl_is_heard_as_server_and_as_client() {
         .json();
     check(&heard);
     // All 200, by the clock of the sender.
-    assert_eq!(device(&heard, "left")["samples"], 200);
+    assert_eq!(device(&heard, "left")["visible"], 200);
     let rate = device(&heard, "left")["rate_hz"].as_f64().expect("a rate");
     assert!((rate - 100.0).abs() < 1e-3, "{rate}");
     drop(client);
@@ -152,9 +152,11 @@ fn trackers_of_the_library_are_heard() {
     .json();
     drop(server);
     let right = device(&found, "right");
-    assert_eq!(
-        right["visible"], right["samples"],
-        "every pose is rigid: {right}"
+    // Every pose is rigid; where the connection ends, one sample states that the tool is not seen any more.
+    let count = |key: &str| right[key].as_u64().expect("a count");
+    assert!(
+        count("visible") > 0 && count("visible") + 1 >= count("samples"),
+        "{right}"
     );
     // (cos φ, sin φ, cos φ) by 50 mm.
     let length = norm(&right["position_m"]);

@@ -73,7 +73,7 @@ pub struct RunArgs {
     /// Print one JSON document
     ///
     /// Keys: module, level, seed, verdict, counts, synthetic, failed, score, targets_done, targets, ticks, solver, implausible, late_ticks,
-    /// state_hash, physics_digest, session, report, pictures, failure. With --explain: module, level, tick_s, steps, plugins, parts, without,
+    /// markers, arrivals, state_hash, physics_digest, session, session_id, trainee, stored, report, pictures, failure. With --explain: module, level, tick_s, steps, plugins, parts, without,
     /// settings_of_station
     #[arg(long)]
     pub json: bool,
@@ -137,7 +137,7 @@ pub struct ReportArgs {
     /// Print one JSON document
     ///
     /// Keys: format, session, verdict, counts, failed, reasons, duration, simulated, phase, targets_done, targets, score, categories, metrics,
-    /// input, implausible, presence, series, forces, events, moments, solver, recoveries, warnings
+    /// input, implausible, markers, arrivals, presence, series, forces, events, moments, solver, recoveries, warnings
     #[arg(long)]
     pub json: bool,
 }

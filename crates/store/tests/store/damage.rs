@@ -95,7 +95,7 @@ fn a_damaged_store_gives_what_is_intact() {
     let page = 4096;
     let pages = good.len() / page;
     assert!(pages > 20, "{pages}");
-    let (mut found, mut partly) = (0, 0);
+    let (mut found, mut partly, mut closed) = (0, 0, 0);
     for at in (1..pages).step_by(4) {
         let mut bad = good.clone();
         for (k, byte) in bad[at * page..(at + 1) * page].iter_mut().enumerate() {
@@ -105,6 +105,11 @@ fn a_damaged_store_gives_what_is_intact() {
         fs::write(&damaged.path, &bad).expect("written");
         let store = match Store::open_to_read(&damaged.path) {
             Ok(Some(store)) => store,
+            // It held what the tables are: no row can be found without.
+            Err(StoreError::Damaged(_)) => {
+                closed += 1;
+                continue;
+            }
             other => panic!("page {at}: {other:?}"),
         };
         let problems = store.check().expect("checked");
@@ -131,6 +136,7 @@ fn a_damaged_store_gives_what_is_intact() {
     }
     println!("{found} of {pages} pages damaged, {partly} exports complete or with stated losses");
     assert_eq!(found, partly);
+    assert!(closed <= 2 && found > 4 * closed, "{closed} of {found}");
 }
 
 #[test]
