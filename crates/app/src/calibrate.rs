@@ -301,12 +301,15 @@ fn samples_of(
     }
 }
 
+/// Times of arrival \[s\] and positions of a tip in the frame of its device \[m\]; none where it was not seen.
+type TipPath = Vec<(f64, Option<[f64; 3]>)>;
+
 /// Where the tip of a device was, in its frame.
 fn tip_path(
     calibration: &Path,
     device: &str,
     samples: &[(f64, InputSample)],
-) -> Result<Vec<(f64, Option<[f64; 3]>)>, Problem> {
+) -> Result<TipPath, Problem> {
     let calibration = load_calibration(calibration).map_err(|e| e.to_string())?;
     let tip = calibration.tip.iter().find(|tip| tip.device == device);
     let Some(tip) = tip else {

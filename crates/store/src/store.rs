@@ -90,7 +90,7 @@ impl Store {
             return Ok(None);
         }
         let opened = Self::read_with(path, path.as_os_str().to_owned(), READ);
-        let opened = match opened {
+        match opened {
             // In a read-only folder no log can be made. Without one nobody writes, and the file is all there is.
             Err(StoreError::CannotOpen(_) | StoreError::ReadOnly) if !log_of(path).exists() => {
                 Self::read_with(
@@ -100,8 +100,7 @@ impl Store {
                 )
             }
             opened => opened,
-        };
-        opened
+        }
     }
 
     fn read_with(

@@ -127,10 +127,9 @@ fn results_are_the_same_in_both_formats() {
             .expect(0);
     }
     let (mut csv, parquet) = (rows_of_csv(&tables[0]), rows_of_parquet(&tables[1]));
-    assert_eq!(
-        (&csv[1][2][..], &parquet[1][2][..]),
-        ("'=A. Muster", "=A. Muster")
-    );
+    let named = |row: &&Vec<String>| row[2] == "=A. Muster";
+    assert!(parquet.iter().any(|row| named(&row)));
+    assert!(csv.iter().any(|row| row[2] == "'=A. Muster") && !csv.iter().any(|row| named(&row)));
     for row in &mut csv {
         for cell in row {
             if let Some(text) = cell.strip_prefix('\'') {
