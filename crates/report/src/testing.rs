@@ -2,9 +2,9 @@
 
 use crate::ReportInput;
 use microsim_message::{
-    CategoryScore, ContactForce, ContactForces, ImplausibleSample, InputSample, LevelEvent,
-    LevelState, LimitRecord, LocalText, Log, MetricRecord, SolverTick, TissueCut, TissueRecovery,
-    ToolSample, ToolStates, TrainingResult, push,
+    CategoryScore, ContactForce, ContactForces, ImplausibleSample, InputSample, InputTiming,
+    LevelEvent, LevelState, LimitRecord, LocalText, Log, MarkerTracking, MetricRecord, SolverTick,
+    TissueCut, TissueRecovery, ToolSample, ToolStates, TrainingResult, push,
 };
 
 /// A message of any kind, as an item of a list.
@@ -23,7 +23,7 @@ macro_rules! any_message {
     };
 }
 
-any_message!(ImplausibleSample InputSample ToolSample ToolStates ContactForces SolverTick TissueCut TissueRecovery LevelState LevelEvent TrainingResult Log);
+any_message!(ImplausibleSample InputSample InputTiming MarkerTracking ToolSample ToolStates ContactForces SolverTick TissueCut TissueRecovery LevelState LevelEvent TrainingResult Log);
 
 /// The frames of messages.
 pub fn log(messages: &[&dyn AnyMessage]) -> Vec<u8> {

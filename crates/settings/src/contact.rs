@@ -28,10 +28,13 @@ table! {
         /// Size of the force, mean over the last 50 ms, from which on time is counted \[N\].
         force_limit: Option<f64> = quantity(Unit::Force, 0.0, 1e3),
         /// How penetration is prevented or undone. All but `constraint` are those of the dissertation (4.3), for explicit methods, without friction.
+        #[serde(default, skip_serializing_if = "ContactResponse::is_default")]
         response: ContactResponse => "constraint",
         /// Stiffness of a penalty, and only there \[N/m\].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         stiffness: Option<f64> = quantity(Unit::LengthStiffness, 1e-6, 1e6),
         /// How deep nodes in another body are, of a penalty or target force; left out: consistent.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         depth: Option<PenetrationDepth>,
     }
 }
@@ -81,6 +84,31 @@ terms! {
 }
 
 choices!(BroadPhase, ContactResponse, PenetrationDepth);
+
+// What was recorded before there were these keys has their defaults, and has the digest of then.
+impl BroadPhase {
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Default for BroadPhase {
+    fn default() -> Self {
+        Self::Bvh
+    }
+}
+
+impl ContactResponse {
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Default for ContactResponse {
+    fn default() -> Self {
+        Self::Constraint
+    }
+}
 
 table! {
     /// A tool that cuts a body. Where the two also touch, tissue is pushed away until it gets over a line of no return; where they do not, the

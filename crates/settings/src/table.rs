@@ -57,6 +57,7 @@ macro_rules! table {
     ($(#[$attribute:meta])* $visibility:vis struct $name:ident {
         $(
             $(#[doc = $doc:literal])+
+            $(#[serde($($serde:tt)+)])?
             $field:ident $(as $key:literal)? : $type:ty
                 $([$min:expr, $max:expr])? $(= $kind:expr)? $(=> $default:expr)?
         ),+ $(,)?
@@ -65,7 +66,7 @@ macro_rules! table {
         #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize)]
         #[serde(deny_unknown_fields)]
         $visibility struct $name {
-            $($(#[doc = $doc])+ $(#[serde(rename = $key)])? pub $field: $type),+
+            $($(#[doc = $doc])+ $(#[serde($($serde)+)])? $(#[serde(rename = $key)])? pub $field: $type),+
         }
 
         impl $crate::table::Table for $name {

@@ -96,7 +96,7 @@ fn an_erased_trainee_leaves_nothing() {
     for text in ["Muster-Erased", &id] {
         assert_eq!(
             holding(&station.data(), text),
-            [PathBuf::new(); 0],
+            Vec::<PathBuf>::new(),
             "{text}"
         );
     }
@@ -131,7 +131,7 @@ fn an_anonymous_trainee_has_results_and_no_name() {
         .expect(0);
     assert_eq!(
         holding(&station.data(), "Muster-Anonymous"),
-        [PathBuf::new(); 0]
+        Vec::<PathBuf>::new()
     );
     assert_eq!(station.results(), results);
     station.microsim(&["store", "rebuild"]).expect(0);
