@@ -28,7 +28,7 @@ table! {
         /// Size of the force, mean over the last 50 ms, from which on time is counted \[N\].
         force_limit: Option<f64> = quantity(Unit::Force, 0.0, 1e3),
         /// How penetration is prevented or undone. All but `constraint` are those of the dissertation (4.3), for explicit methods, without friction.
-        #[serde(default, skip_serializing_if = "ContactResponse::is_default")]
+        #[serde(default = "ContactResponse::initial", skip_serializing_if = "ContactResponse::is_default")]
         response: ContactResponse => "constraint",
         /// Stiffness of a penalty, and only there \[N/m\].
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -87,26 +87,22 @@ choices!(BroadPhase, ContactResponse, PenetrationDepth);
 
 // What was recorded before there were these keys has their defaults, and has the digest of then.
 impl BroadPhase {
-    pub(crate) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl Default for BroadPhase {
-    fn default() -> Self {
+    pub(crate) fn initial() -> Self {
         Self::Bvh
+    }
+
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::initial()
     }
 }
 
 impl ContactResponse {
-    pub(crate) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl Default for ContactResponse {
-    fn default() -> Self {
+    pub(crate) fn initial() -> Self {
         Self::Constraint
+    }
+
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::initial()
     }
 }
 

@@ -72,7 +72,7 @@ table! {
         /// Acceleration of free fall \[m/s²\].
         gravity: [f64; 3] = vector3(Unit::Acceleration, 100.0) => [0.0, 0.0, -9.81],
         /// How features that may touch are found. Contacts and their bits are the same with each.
-        #[serde(default, skip_serializing_if = "BroadPhase::is_default")]
+        #[serde(default = "BroadPhase::initial", skip_serializing_if = "BroadPhase::is_default")]
         broad_phase: BroadPhase => "bvh",
         /// Edge of a cell of the spatial hash, and only there \[m\]; left out: the mean edge of the mesh for tetrahedra, twice that for triangles.
         #[serde(default, skip_serializing_if = "Option::is_none")]
