@@ -7,7 +7,10 @@ use std::collections::BTreeSet;
 
 /// Keys that are optional in the schema, but needed by the type where they stand in the examples: one of a few must be
 /// there, which the checks see to.
-const CONDITIONAL: [&str; 15] = [
+const CONDITIONAL: [&str; 18] = [
+    "contact[].response",
+    "physics.broad_phase",
+    "run.broad_phase",
     "object[].radius",
     "object[].length",
     "object[].tube",
@@ -26,7 +29,30 @@ const CONDITIONAL: [&str; 15] = [
 ];
 
 /// Keys that the example cannot have: a method has some of the parameters, and a file one method; a vessel is a file of its own.
-const NOT_IN_THE_EXAMPLE: [&str; 2] = ["method.substeps", "body[].vessel"];
+const NOT_IN_THE_EXAMPLE: [&str; 22] = [
+    "box[].centre",
+    "box[].device",
+    "box[].field_width",
+    "box[].size",
+    "clutch[].device",
+    "clutch[].tool",
+    "filter[].device",
+    "filter[].parameters",
+    "filter[].parameters.beta",
+    "filter[].parameters.derivative_cutoff",
+    "filter[].parameters.min_cutoff",
+    "filter[].parameters.predict",
+    "filter[].parameters.turn_beta",
+    "markers[].device",
+    "markers[].marker",
+    "markers[].marker[].at",
+    "markers[].marker[].name",
+    "markers[].marker[].open",
+    "markers[].merge",
+    "markers[].tolerance",
+    "method.substeps",
+    "body[].vessel",
+];
 
 /// Whether a key is a parameter of a law: the examples have materials of some laws, not of every one.
 fn is_of_a_law(name: &str) -> bool {
