@@ -63,8 +63,8 @@ terms! {
 }
 
 table! {
-    /// The space in which a tracker sees a device: its centre comes to lie where `field_offset` of the device is, and its width becomes that of the field. It takes the place of
-    /// the keys `origin` and `scale` of the device.
+    /// The space in which a tracker sees a device: its centre comes to lie where `field_offset` of the device is, and its width becomes that of the field. The device
+    /// has no keys `origin` and `scale` then.
     pub struct TrackingBox {
         /// The device.
         device: String = identifier(),
@@ -309,8 +309,26 @@ pub fn read_translator(text: &str, file: &str) -> Result<Loaded<Translator>, Con
         let names = texts(reading.value(), list, field);
         unique(&mut reading, &root, &names, list, field);
     }
+    check_boxes(&mut reading);
     check_markers(&mut reading);
     reading.finish()
+}
+
+/// A device in a box has neither an origin nor a scale of its own: the box states both.
+fn check_boxes(reading: &mut Reading) {
+    let boxes = texts(reading.value(), "box", "device");
+    for (index, name) in texts(reading.value(), "device", "name") {
+        if !boxes.iter().any(|(_, device)| *device == name) {
+            continue;
+        }
+        for field in ["origin", "scale"] {
+            let key = KeyPath::root().key("device").at(index).key(field);
+            if reading.is_written(&key) {
+                let expected = format!("no `{field}`, which the box of `{name}` states");
+                reading.complain(&key, &format!("`{field}`"), &expected);
+            }
+        }
+    }
 }
 
 /// Each marker is one device, of one instrument, and they determine a pose.
