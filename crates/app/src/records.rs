@@ -223,8 +223,17 @@ fn catch_up(store: &mut Store) -> Result<(), Problem> {
     for run in pending.iter().filter(|run| !is_alive(run)) {
         match session(Path::new(&run.path)) {
             Ok(Some(found)) => enter_all(store, vec![found])?,
-            // Nothing that could be entered: no file, no complete header, or left out on purpose.
-            Ok(None) | Err(_) => gone.push(run.path.clone()),
+            // Left out on purpose.
+            Ok(None) => gone.push(run.path.clone()),
+            // Nothing that could be entered: no file, no complete header. What is there is named, as nothing else will.
+            Err(problem) => {
+                if let Problem::Text(why) = problem
+                    && Path::new(&run.path).exists()
+                {
+                    complain(format!("a run that was killed is not entered: {why}"));
+                }
+                gone.push(run.path.clone());
+            }
         }
     }
     if !gone.is_empty() {
