@@ -561,12 +561,14 @@ fn the_json_of_a_run_has_its_fields() {
         .map(String::as_str)
         .collect();
     let expected = [
+        "arrivals",
         "counts",
         "failed",
         "failure",
         "implausible",
         "late_ticks",
         "level",
+        "markers",
         "module",
         "physics_digest",
         "pictures",
@@ -574,12 +576,15 @@ fn the_json_of_a_run_has_its_fields() {
         "score",
         "seed",
         "session",
+        "session_id",
         "solver",
         "state_hash",
+        "stored",
         "synthetic",
         "targets",
         "targets_done",
         "ticks",
+        "trainee",
         "verdict",
     ];
     assert_eq!(fields, expected.into());

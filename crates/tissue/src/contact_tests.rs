@@ -270,15 +270,19 @@ pub fn explicit() -> [(Method, f64); 4] {
 
 #[test]
 fn a_method_that_cannot_keep_gaps_says_so() {
-    let model = build(&crate::testing::soft_block([1; 3]), |_| false);
+    let model = free_block([1; 3], 0.0);
     for method in [
         Method::ExplicitEuler,
         Method::SymplecticEuler,
         Method::ImplicitEuler(Newton::default()),
     ] {
         let mut world = World::new(model.clone(), method);
+        assert!(world.step(1e-5).is_ok(), "{method:?} touches nothing");
+
+        world.planes.push(Plane::floor(1e-6));
         let before = world.state.clone();
         let result = world.step(1e-5);
+        assert!(!world.contacts.is_empty(), "{method:?} touches the plane");
         if method.enforces_non_penetration() {
             assert!(result.is_ok(), "{method:?}: {result:?}");
         } else {
