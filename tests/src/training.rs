@@ -159,6 +159,7 @@ impl Training {
             resume: None,
             stop_at: None,
             stop: &stop,
+            operator: None,
             trainee: None,
             session_id: None,
             unlisted: true,

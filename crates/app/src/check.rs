@@ -196,6 +196,7 @@ fn check_setting(path: &Path) -> Result<Vec<String>, String> {
         "host.toml" => settings::load_host(path).map(nothing),
         "translator.toml" => settings::load_translator(path).map(nothing),
         "openigtlink.toml" => settings::load_openigtlink(path).map(nothing),
+        "desktop.toml" => settings::load_desktop(path).map(nothing),
         _ => settings::load_trainees(path).map(nothing),
     };
     checked.map_err(|e| e.to_string())

@@ -225,6 +225,7 @@ fn carry_out(
             .stop_at
             .map(|s| (s * 1e9 / plan.tick_ns as f64).round() as u64),
         stop: &stop,
+        operator: None,
         trainee: record.trainee.map(|id| id.to_string()),
         session_id: Some(record.id.to_string()),
         unlisted: args.no_store,

@@ -15,6 +15,8 @@ use std::path::Path;
 const SOURCE_SCRIPT: &str = "source-script";
 /// Plugin that plays recordings.
 const SOURCE_RECORDING: &str = "source-recording";
+/// Plugin of mouse and keyboard.
+const SOURCE_DESKTOP: &str = "source-desktop";
 /// Bytes of a recording's first line that are looked at where it has no column map.
 const HEADER_SHOWN: usize = 2000;
 
@@ -63,8 +65,12 @@ pub(crate) fn source_setup(
                 "\"{name}\" plays files: give script:FILE or recording:FILE"
             ))
         }
+        Input::Plugin(name) if name == SOURCE_DESKTOP => refuse(format!(
+            "\"{name}\" is mouse and keyboard of a window: `microsim window` has one"
+        )),
         Input::Plugin(name) if name == OPENIGTLINK => tracker(installation, None),
         Input::OpenIgtLink(address) => tracker(installation, Some(address)),
+        Input::Desktop => desktop(installation, request),
         Input::Plugin(name) => Ok(SourceSetup {
             plugin: name.clone(),
             why: "the input is asked for by name".into(),
@@ -152,6 +158,32 @@ fn tracker(
         config: config_value(&link),
         files: Vec::new(),
         devices: None,
+        note: None,
+        synthetic: None,
+    })
+}
+
+/// The set-up of mouse and keyboard: a hand for each tool of the level.
+fn desktop(
+    installation: &Installation,
+    request: &Request,
+) -> Result<SourceSetup, AssembleError> {
+    let level = installation.level(&request.module, request.level)?;
+    let desktop = settings::load_desktop(&installation.setting("desktop.toml"))?;
+    let tools = level.settings.tool.iter().map(|slot| slot.name.clone());
+    let tools: Vec<String> = tools.collect();
+    let view = level.settings.view;
+    Ok(SourceSetup {
+        plugin: SOURCE_DESKTOP.into(),
+        why: "the input is mouse and keyboard".into(),
+        devices: Some(tools.clone()),
+        config: config_value(&settings::DesktopConfig {
+            desktop: desktop.settings,
+            tools,
+            centre: view.centre,
+            field: view.field,
+        }),
+        files: Vec::new(),
         note: None,
         synthetic: None,
     })

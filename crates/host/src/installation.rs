@@ -27,8 +27,9 @@ pub struct Places {
 }
 
 /// The files of `config/` that a station may replace by its own: how it runs, what its trackers are. What is trained and measured is not among them.
-pub const OF_STATION: [&str; 4] = [
+pub const OF_STATION: [&str; 5] = [
     "host.toml",
+    "desktop.toml",
     "translator.toml",
     "openigtlink.toml",
     "trainees.toml",

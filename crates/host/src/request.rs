@@ -37,15 +37,17 @@ pub enum Input {
     Plugin(String),
     /// A tracker that speaks OpenIGTLink, at HOST:PORT.
     OpenIgtLink(String),
+    /// Mouse and keyboard of the window that the run has.
+    Desktop,
 }
 
 /// The source that speaks OpenIGTLink.
 pub(crate) const OPENIGTLINK: &str = "openigtlink";
 
 impl Input {
-    /// Whether the motion comes from a tracker while it is made: ticks then have to follow the wall clock.
+    /// Whether the motion comes from a tracker, or from mouse and keyboard, while it is made: ticks then have to follow the wall clock.
     pub fn is_tracked_live(&self) -> bool {
-        matches!(self, Self::OpenIgtLink(_))
+        matches!(self, Self::OpenIgtLink(_) | Self::Desktop)
             || matches!(self, Self::Plugin(name) if name == OPENIGTLINK)
     }
 }
@@ -57,6 +59,7 @@ impl fmt::Display for Input {
             Self::Recording(path) => write!(f, "recording:{}", path.display()),
             Self::Plugin(name) => write!(f, "plugin:{name}"),
             Self::OpenIgtLink(address) => write!(f, "openigtlink://{address}"),
+            Self::Desktop => f.write_str("desktop"),
         }
     }
 }

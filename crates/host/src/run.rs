@@ -17,6 +17,7 @@ use crate::record::{EndRecord, Ended, Header, RECORD_FORMAT, TickRecord, hex, ki
 use crate::recorder::Recorder;
 use crate::span;
 use crate::subscriptions::{HostSubscriptions, print_log};
+use microsim_bus::Block;
 use microsim_message::{LevelControl, Progress, TrainingResult, push};
 use microsim_session::{Chain, KIND_END, StationKey};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,8 +57,44 @@ pub struct RunOptions<'a> {
     pub unlisted: bool,
     /// What the session is signed with; without a key it is not.
     pub key: Option<StationKey>,
+    /// Who sits at the run, if anybody does.
+    pub operator: Option<&'a mut dyn Operator>,
     /// Called after every tick with the simulated time \[s\] and the progress that plugins report.
     pub progress: &'a mut dyn FnMut(f64, Option<&Progress>),
+}
+
+/// Somebody in front of a live run: a window. What it sends is recorded as all that comes from outside; what it sees changes nothing.
+pub trait Operator {
+    /// Appends the frames that the host publishes at the start of the next tick: mouse and keyboard, the microscope.
+    fn send(&mut self, frames: &mut Vec<u8>);
+
+    /// Whether no further tick is to begin for now. Simulated time stands meanwhile.
+    fn is_paused(&self) -> bool;
+
+    /// Sees the messages of a tick and the blocks that are the latest then.
+    fn see(&mut self, seen: Seen<'_>);
+}
+
+/// What an [`Operator`] sees of a tick.
+pub struct Seen<'a> {
+    /// The tick.
+    pub tick: u64,
+    /// Simulated time at its end \[s\].
+    pub time: f64,
+    /// All messages, stamped, in the order of their publication.
+    pub log: &'a [u8],
+    /// From the begin of the tick to its snapshot \[s\].
+    pub duration: f64,
+    /// Ticks that began late so far.
+    pub late_ticks: u64,
+    engine: &'a Engine,
+}
+
+impl Seen<'_> {
+    /// The latest blocks: shared, not copied.
+    pub fn blocks(&self) -> Vec<Block> {
+        self.engine.blocks()
+    }
 }
 
 /// A run that ended.
@@ -108,7 +145,16 @@ impl Pace {
         }
         self.next += self.tick;
     }
+
+    /// Moves the schedule past a pause, so that arrivals go on where they were.
+    fn skip(&mut self, pause: Duration) {
+        self.start += pause;
+        self.next = Instant::now();
+    }
 }
+
+/// Between two looks at whether a pause has ended.
+const PAUSE_LOOK: Duration = Duration::from_millis(5);
 
 /// Runs a plan to its end. `Err`: it did not begin, and no session was written (beyond its header, if that could not be
 /// written).
@@ -200,6 +246,20 @@ struct RunLoop<'a> {
     values: Chain,
 }
 
+/// Waits while an operator pauses, or until the run is to stop: for how long. The level is informed of it with the next tick.
+fn wait_for(operator: &mut dyn Operator, stop: &AtomicBool, host: &mut HostState) -> Duration {
+    if !operator.is_paused() {
+        return Duration::ZERO;
+    }
+    let begin = Instant::now();
+    while operator.is_paused() && !stop.load(Ordering::Relaxed) {
+        std::thread::sleep(PAUSE_LOOK);
+    }
+    push(&mut host.controls, &LevelControl::Pause);
+    push(&mut host.controls, &LevelControl::Resume);
+    begin.elapsed()
+}
+
 impl RunLoop<'_> {
     /// Ticks until the end. The second value: whether the recorder itself has failed, and must not be called again.
     fn run(&mut self, plan: &RunPlan, options: RunOptions<'_>) -> (RunOutcome, bool) {
@@ -246,7 +306,7 @@ impl RunLoop<'_> {
     fn ticks(
         &mut self,
         plan: &RunPlan,
-        options: RunOptions<'_>,
+        mut options: RunOptions<'_>,
         outcome: &mut RunOutcome,
         times: &mut Vec<f32>,
     ) -> Result<Ended, Failure> {
@@ -281,9 +341,18 @@ impl RunLoop<'_> {
                 outcome.checkpoint = Some(Checkpoint { host, ..checkpoint });
                 return Ok(Ended::Checkpoint);
             }
+            if let Some(operator) = &mut options.operator {
+                let paused = wait_for(*operator, options.stop, &mut host);
+                if let Some(pace) = pace.as_mut().filter(|_| !paused.is_zero()) {
+                    pace.skip(paused);
+                }
+            }
             if let Some(pace) = &mut pace {
                 pace.wait();
                 outcome.late_ticks = pace.late;
+            }
+            if let Some(operator) = &mut options.operator {
+                operator.send(&mut host.controls);
             }
             if options.stop.load(Ordering::Relaxed) && host.ending_since.is_none() {
                 push(&mut host.controls, &LevelControl::Abort);
@@ -303,8 +372,9 @@ impl RunLoop<'_> {
                     return Err(failure);
                 }
             };
+            let duration = begin.elapsed();
             if pace.is_some() {
-                times.push(begin.elapsed().as_secs_f32());
+                times.push(duration.as_secs_f32());
             }
             outcome.ticks = self.engine.tick_index();
             let time = self.engine.time_ns();
@@ -314,6 +384,16 @@ impl RunLoop<'_> {
                 (options.progress)(seconds, Some(reported))
             })?;
             (options.progress)(seconds, None);
+            if let Some(operator) = &mut options.operator {
+                operator.see(Seen {
+                    tick,
+                    time: seconds,
+                    log: &output.log,
+                    duration: duration.as_secs_f64(),
+                    late_ticks: outcome.late_ticks,
+                    engine: self.engine,
+                });
+            }
             if let Some(result) = subscriptions.result.take() {
                 outcome.result = Some(result);
                 return Ok(Ended::Result);

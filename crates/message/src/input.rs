@@ -97,6 +97,24 @@ impl Message for MarkerTracking {
     const KIND: &'static str = "input.markers";
 }
 
+/// What mouse and keyboard ask of one tool, since the last such message of it. Published by the host for the window in front of which the trainee sits,
+/// and an external input: recorded, and fed by tick when a session is replayed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DesktopInput {
+    /// Tool slot of the level.
+    pub tool: String,
+    /// By how much its tip is to move in the field frame \[m\].
+    pub shift: [f64; 3],
+    /// By how much it is to turn: azimuth and elevation of its handle, roll about its shaft \[rad\].
+    pub turn: [f64; 3],
+    /// The opening that it is to have from now on, 0 closed … 1 open; `None` leaves what was asked before.
+    pub opening: Option<f64>,
+}
+
+impl Message for DesktopInput {
+    const KIND: &'static str = "input.desktop";
+}
+
 /// A source has nothing more to give.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputEnd {

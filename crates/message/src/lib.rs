@@ -21,7 +21,7 @@ mod tests;
 mod tool;
 mod wire;
 
-pub use input::{ImplausibleSample, InputEnd, InputSample, InputTiming, MarkerTracking};
+pub use input::{DesktopInput, ImplausibleSample, InputEnd, InputSample, InputTiming, MarkerTracking};
 pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,
@@ -62,6 +62,7 @@ pub fn core_kinds() -> Vec<KindInfo> {
     vec![
         wire::info::<InputSample>(),
         wire::info::<InputEnd>(),
+        wire::info::<DesktopInput>(),
         wire::info::<ImplausibleSample>(),
         wire::info::<InputTiming>(),
         wire::info::<MarkerTracking>(),

@@ -4,7 +4,7 @@ use crate::schema::Schema;
 use crate::table::Table;
 
 /// The kinds of file, by the names that the command line uses, each with a sentence about it.
-pub const KINDS: [(&str, &str); 14] = [
+pub const KINDS: [(&str, &str); 15] = [
     (
         "manifest",
         "plugin.toml and module.toml: what a plugin or training module is, needs and declares.",
@@ -40,6 +40,10 @@ pub const KINDS: [(&str, &str); 14] = [
     (
         "openigtlink",
         "config/openigtlink.toml: where trackers that speak OpenIGTLink are, and what their tools are called.",
+    ),
+    (
+        "desktop",
+        "config/desktop.toml: how mouse and keyboard move the tools.",
     ),
     (
         "recording",

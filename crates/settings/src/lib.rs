@@ -20,6 +20,7 @@ mod contact;
 mod contact_check;
 mod course;
 mod describe;
+mod desktop;
 mod discover;
 mod document;
 mod error;
@@ -71,6 +72,7 @@ pub use contact::{
 };
 pub use course::{Course, CourseStep, Unlock, load_course, read_course};
 pub use describe::{json_schema, reference};
+pub use desktop::{Desktop, DesktopConfig, load_desktop, read_desktop};
 pub use discover::{ModuleFolder, Tree, discover, discover_with};
 pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
@@ -139,6 +141,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "translator" => schema_of::<Translator>(kind),
         "calibration" => schema_of::<Calibration>(kind),
         "openigtlink" => schema_of::<OpenIgtLink>(kind),
+        "desktop" => schema_of::<Desktop>(kind),
         "recording" => schema_of::<RecordingMap>(kind),
         "script" => schema_of::<Script>(kind),
         "trainees" => schema_of::<Trainees>(kind),

@@ -19,6 +19,7 @@
 
 mod calibration;
 mod csv_recording;
+mod desktop;
 mod filter;
 mod markers;
 mod random;
@@ -37,6 +38,7 @@ pub use csv_recording::{
     Column, ColumnMap, CsvError, CsvProblem, DeviceColumns, MAX_SAMPLES, OpeningColumn, Recording,
     read_csv,
 };
+pub use desktop::{DesktopHand, DesktopHandState, DesktopLimits, HandAngles};
 pub use filter::{Filtered, OneEuro};
 pub use markers::{
     FEWEST_MARKERS, MOST_MARKERS, MarkedInstrument, Marker, MarkerFit, MarkerLoss, MarkerModel,

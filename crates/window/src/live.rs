@@ -1,0 +1,257 @@
+//! A run in a thread of its own, and what the window exchanges with it: wishes for the tools one way, the newest snapshot the other. No queue of snapshots:
+//! one that was not drawn when the next is finished is dropped.
+
+use crate::station::{Debrief, LiveSession};
+use microsim_bus::{Block, BlockView, Frames, kind_id};
+use microsim_host::run::{Operator, Seen};
+use microsim_message::{
+    DesktopInput, LevelEvent, LevelState, Message, ObjectScene, SolverTick, TISSUE_SNAPSHOT,
+    ToolPlacements, ToolStates, decode, push,
+};
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+/// Ticks whose durations are kept: eight seconds of 8 ms.
+const TICKS: usize = 1000;
+
+/// The newest state of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    /// Its tick.
+    pub tick: u64,
+    /// Simulated time \[s\].
+    pub time: f64,
+    /// The latest message of each kind that is shown, stamped.
+    messages: BTreeMap<u64, Arc<[u8]>>,
+    blocks: Vec<Block>,
+}
+
+impl Snapshot {
+    /// The latest message of a kind.
+    pub fn latest<M: Message>(&self) -> Option<M> {
+        let bytes = self.messages.get(&kind_id(M::KIND))?;
+        let frame = Frames::new(bytes).next()?.ok()?;
+        decode::<M>(&frame)?.ok()
+    }
+
+    /// The surfaces of the bodies.
+    pub fn bodies(&self) -> impl Iterator<Item = BlockView<'_>> {
+        let kind = kind_id(TISSUE_SNAPSHOT);
+        let views = self.blocks.iter().map(Block::view);
+        views.filter(move |view| view.kind() == kind)
+    }
+}
+
+/// How well a run follows the wall clock.
+#[derive(Clone, Debug, Default)]
+pub struct Pace {
+    /// Durations of the last ticks \[s\], the newest last.
+    durations: VecDeque<f64>,
+    /// Ticks so far, those that began late, those whose solver did not come to its tolerance, and those whose forces mean nothing.
+    pub ticks: u64,
+    pub late: u64,
+    pub unconverged: u64,
+    pub held: u64,
+}
+
+impl Pace {
+    /// The q-th quantile of the last ticks \[s\].
+    pub fn quantile(&self, q: f64) -> Option<f64> {
+        let mut sorted: Vec<f64> = self.durations.iter().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().checked_sub(1)?;
+        sorted.get((q * last as f64).round() as usize).copied()
+    }
+}
+
+/// What came of a run that has ended.
+pub type Ended = Result<Debrief, String>;
+
+/// What both threads see.
+#[derive(Default)]
+struct Exchange {
+    wishes: Mutex<Vec<DesktopInput>>,
+    latest: Mutex<Option<Snapshot>>,
+    pace: Mutex<Pace>,
+    events: Mutex<Vec<LevelEvent>>,
+    is_paused: AtomicBool,
+    stop: AtomicBool,
+}
+
+/// A panic of the other thread leaves data that can be read all the same.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A run that goes on.
+pub struct Live {
+    exchange: Arc<Exchange>,
+    thread: Option<JoinHandle<Ended>>,
+}
+
+impl Live {
+    /// Starts it; `wake` is called whenever there is something new to draw.
+    ///
+    /// # Errors
+    /// If the system has no thread for it.
+    pub fn start(
+        mut session: Box<dyn LiveSession>,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<Self, String> {
+        let exchange = Arc::new(Exchange::default());
+        let seat = Arc::clone(&exchange);
+        let run = move || {
+            let mut operator = Seat {
+                exchange: &seat,
+                messages: BTreeMap::new(),
+                wake: &wake,
+            };
+            let outcome = session.run(&seat.stop, &mut operator);
+            let ended = outcome.and_then(|outcome| session.finish(&outcome));
+            wake();
+            ended
+        };
+        let thread = std::thread::Builder::new().name("simulation".into());
+        let thread = thread
+            .spawn(run)
+            .map_err(|e| format!("no thread for the simulation: {e}"))?;
+        Ok(Self {
+            exchange,
+            thread: Some(thread),
+        })
+    }
+
+    /// The newest snapshot, if there is one that was not taken yet.
+    pub fn take(&self) -> Option<Snapshot> {
+        lock(&self.exchange.latest).take()
+    }
+
+    /// How well it follows the wall clock.
+    pub fn pace(&self) -> Pace {
+        lock(&self.exchange.pace).clone()
+    }
+
+    /// What happened so far.
+    pub fn events(&self) -> Vec<LevelEvent> {
+        lock(&self.exchange.events).clone()
+    }
+
+    /// Asks for a motion of a tool with the next tick.
+    pub fn wish(&self, wish: DesktopInput) {
+        let mut wishes = lock(&self.exchange.wishes);
+        match wishes.iter_mut().find(|earlier| earlier.tool == wish.tool) {
+            None => wishes.push(wish),
+            Some(earlier) => {
+                for k in 0..3 {
+                    earlier.shift[k] += wish.shift[k];
+                    earlier.turn[k] += wish.turn[k];
+                }
+                earlier.opening = wish.opening.or(earlier.opening);
+            }
+        }
+    }
+
+    /// Whether it pauses.
+    pub fn is_paused(&self) -> bool {
+        self.exchange.is_paused.load(Ordering::Relaxed)
+    }
+
+    /// Pauses it, or lets it go on.
+    pub fn pause(&self, paused: bool) {
+        self.exchange.is_paused.store(paused, Ordering::Relaxed);
+    }
+
+    /// Ends it without a verdict.
+    pub fn abort(&self) {
+        self.exchange.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// What came of it, once it has ended; `None` before, and after it was given.
+    pub fn ended(&mut self) -> Option<Ended> {
+        if !self.thread.as_ref().is_some_and(JoinHandle::is_finished) {
+            return None;
+        }
+        let joined = self.thread.take()?.join();
+        Some(joined.unwrap_or_else(|_| {
+            Err("the simulation panicked; what was recorded so far is safe".into())
+        }))
+    }
+}
+
+impl Drop for Live {
+    /// A window that is closed ends the run and waits until its session is closed.
+    fn drop(&mut self) {
+        self.abort();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The operator's side in the thread of the run.
+struct Seat<'a> {
+    exchange: &'a Exchange,
+    messages: BTreeMap<u64, Arc<[u8]>>,
+    wake: &'a dyn Fn(),
+}
+
+impl Seat<'_> {
+    fn is_shown(kind: u64) -> bool {
+        let shown = [
+            ObjectScene::KIND,
+            ToolStates::KIND,
+            ToolPlacements::KIND,
+            LevelState::KIND,
+        ];
+        shown.iter().any(|shown| kind_id(shown) == kind)
+    }
+}
+
+impl Operator for Seat<'_> {
+    fn send(&mut self, frames: &mut Vec<u8>) {
+        for wish in lock(&self.exchange.wishes).drain(..) {
+            push(frames, &wish);
+        }
+    }
+
+    fn is_paused(&self) -> bool {
+        self.exchange.is_paused.load(Ordering::Relaxed)
+    }
+
+    fn see(&mut self, seen: Seen<'_>) {
+        let mut solver: Option<SolverTick> = None;
+        for frame in Frames::new(seen.log).filter_map(Result::ok) {
+            if Self::is_shown(frame.header.kind) {
+                let mut bytes = Vec::new();
+                microsim_bus::frame::push_stamped(&mut bytes, &frame.header, frame.payload);
+                self.messages.insert(frame.header.kind, bytes.into());
+            } else if let Some(Ok(event)) = decode::<LevelEvent>(&frame) {
+                lock(&self.exchange.events).push(event);
+            } else if let Some(Ok(tick)) = decode::<SolverTick>(&frame) {
+                solver = Some(tick);
+            }
+        }
+        {
+            let mut pace = lock(&self.exchange.pace);
+            if pace.durations.len() == TICKS {
+                pace.durations.pop_front();
+            }
+            pace.durations.push_back(seen.duration);
+            pace.ticks = seen.tick + 1;
+            pace.late = seen.late_ticks;
+            if let Some(solver) = solver {
+                pace.unconverged += u64::from(!solver.converged());
+                pace.held += u64::from(!solver.valid());
+            }
+        }
+        *lock(&self.exchange.latest) = Some(Snapshot {
+            tick: seen.tick,
+            time: seen.time,
+            messages: self.messages.clone(),
+            blocks: seen.blocks(),
+        });
+        (self.wake)();
+    }
+}
