@@ -6,6 +6,7 @@
 //! - [`alter`]: sessions written again with one value changed;
 //! - [`comb`]: a band that is cut a hundred times;
 //! - [`counts`]: instruction counts of kernels, recorded and compared;
+//! - [`desktop`]: a display without a screen, and mouse and keyboard at it;
 //! - [`detected`]: contact for a solver without a scene;
 //! - [`digests`]: physics digests of shipped runs, recorded and compared;
 //! - [`hands`]: random players, and what comes of their runs;
@@ -30,6 +31,7 @@ pub mod alter;
 pub mod changed_levels;
 pub mod comb;
 pub mod counts;
+pub mod desktop;
 pub mod detected;
 pub mod digests;
 pub mod hands;

@@ -7,6 +7,7 @@ mod session;
 mod store;
 mod tree;
 mod value;
+mod window;
 
 pub use instruments::{
     CalibrateCommand, DevicesArgs, ListenArgs, PivotArgs, RecordInputArgs, WorkspaceArgs,
@@ -25,6 +26,8 @@ pub use tree::{
     CheckArgs, CompletionsArgs, DigestsArgs, DoctorArgs, ListArgs, ManArgs, SchemaArgs,
 };
 
+pub use window::WindowArgs;
+
 use clap::{Parser, Subcommand};
 use std::path::Path;
 
@@ -34,18 +37,21 @@ use std::path::Path;
 /// (`replay --verify`, `check`, `simulate` that diverged or did not come to rest as it should, `run --require-pass`), 2 could not run, 3 `run` is done and recorded but
 /// could not write its report.
 #[derive(Debug, Parser)]
-#[command(name = "microsim", version = crate::version::text(), arg_required_else_help = true)]
+#[command(name = "microsim", version = crate::version::text())]
 pub struct Cli {
     #[command(flatten)]
     pub place: Place,
     #[command(flatten)]
     pub verbosity: Verbosity,
+    /// Without one: `window`.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Open the window: choose a level, train with mouse and keyboard, see what came of it (also without a command)
+    Window(WindowArgs),
     /// List modules with their levels, scenes, vessels, and plugins
     List(ListArgs),
     /// Run a level of a module; writes session and report
@@ -121,6 +127,7 @@ impl Command {
     /// Its name in the log, if it is in the log: what computes or records. What only shows leaves no trace.
     pub fn logged(&self) -> Option<&'static str> {
         match self {
+            Self::Window(_) => Some("window"),
             Self::Run(_) => Some("run"),
             Self::Simulate(_) => Some("simulate"),
             Self::Chart(_) => Some("chart"),

@@ -63,12 +63,13 @@ mod trainee;
 mod trainees;
 mod tune;
 mod version;
+mod window;
 mod working_step;
 mod zone;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use cli::{Cli, Command};
+use cli::{Cli, Command, WindowArgs};
 use output::{Exit, Problem, complain};
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -100,10 +101,13 @@ fn main() -> ExitCode {
     if cli.verbosity.level() < 0 {
         progress::silence();
     }
-    let logged = cli.command.logged();
+    let command = cli
+        .command
+        .unwrap_or(Command::Window(WindowArgs::default()));
+    let logged = command.logged();
     let folders = logged.and_then(|_| folders::Folders::of(&cli.place).ok());
     let logs = folders.as_ref().map(|folders| folders.logs.as_path());
-    let writing = match log::start(&cli.verbosity, logs, cli.command.trace()) {
+    let writing = match log::start(&cli.verbosity, logs, command.trace()) {
         Ok(writing) => writing,
         Err(problem) => return ended(Err(problem)),
     };
@@ -111,7 +115,8 @@ fn main() -> ExitCode {
         let (version, process) = (version::text(), std::process::id());
         tracing::info!(target: log::FILE, command, version, process, "begins");
     }
-    let result = match &cli.command {
+    let result = match &command {
+        Command::Window(args) => window::window(&cli.place, args),
         Command::List(args) => list::list(&cli.place, args),
         Command::Run(args) => run::run(&cli.place, args),
         Command::Simulate(args) => simulate::simulate(&cli.place, args),

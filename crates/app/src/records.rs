@@ -1,6 +1,6 @@
 //! Runs and sessions as the store has them: who trains, entering what a session shows, runs that were killed before they were entered.
 
-use crate::cli::{Place, RunArgs};
+use crate::cli::Place;
 use crate::folders::Folders;
 use crate::names::shown;
 use crate::output::{Problem, complain};
@@ -82,6 +82,18 @@ pub fn new_id() -> Result<Id, Problem> {
     Ok(Id::from_random(bytes))
 }
 
+/// A run that is about to begin, as far as the store is concerned.
+pub struct Attempt<'a> {
+    /// Module.
+    pub module: &'a str,
+    /// Level.
+    pub level: u32,
+    /// Name or id of the trainee.
+    pub trainee: Option<&'a str>,
+    /// Whether it stays out of the store.
+    pub no_store: bool,
+}
+
 /// A run and its place in the store.
 pub struct RunRecord {
     /// Random id of the session.
@@ -98,8 +110,8 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// Finds the trainee and notes that the run begins. Only a name that cannot be looked up keeps it from beginning.
-    pub fn begin(place: &Place, args: &RunArgs, session: &Path) -> Result<Self, Problem> {
-        let asked = args.trainee.as_deref();
+    pub fn begin(place: &Place, attempt: &Attempt<'_>, session: &Path) -> Result<Self, Problem> {
+        let asked = attempt.trainee;
         let as_id = asked.and_then(Id::parse);
         let mut record = Self {
             id: new_id()?,
@@ -108,7 +120,7 @@ impl RunRecord {
             path: None,
             failed: None,
         };
-        if args.no_store {
+        if attempt.no_store {
             return match (asked, as_id) {
                 (Some(_), None) => Err(
                     "--no-store with the name of a trainee: names stand in the store; give the id that `microsim trainees list` shows"
@@ -117,7 +129,7 @@ impl RunRecord {
                 _ => Ok(record),
             };
         }
-        let noted = record.note(place, args, asked, session);
+        let noted = record.note(place, attempt, asked, session);
         match noted {
             Ok(()) => Ok(record),
             // Nobody knows whose run it would be.
@@ -133,7 +145,7 @@ impl RunRecord {
     fn note(
         &mut self,
         place: &Place,
-        args: &RunArgs,
+        attempt: &Attempt<'_>,
         asked: Option<&str>,
         session: &Path,
     ) -> Result<(), Problem> {
@@ -145,7 +157,7 @@ impl RunRecord {
                 (Ok(trainee), _) => {
                     self.trainee = Some(trainee.id);
                     self.name = trainee.name;
-                    advise(&store, trainee.id, args)?;
+                    advise(&store, trainee.id, attempt)?;
                 }
                 // An id of another store.
                 (Err(_), Some(_)) => {}
@@ -195,22 +207,49 @@ impl RunRecord {
     }
 }
 
-/// Names the courses in which the level is not open yet.
-fn advise(store: &Store, trainee: Id, args: &RunArgs) -> Result<(), Problem> {
+/// What comes first in a course in which a level is not open yet.
+pub struct ComesFirst {
+    /// The course.
+    pub course: String,
+    /// Module of the level that is next in it.
+    pub module: String,
+    /// That level.
+    pub level: u32,
+}
+
+/// The courses of a trainee in which a level is not open yet.
+pub fn closed_courses(
+    store: &Store,
+    trainee: Id,
+    module: &str,
+    level: u32,
+) -> Result<Vec<ComesFirst>, Problem> {
+    let mut closed = Vec::new();
     for course in store.courses_of(trainee)? {
         let progress = store.progress(&course, trainee)?;
-        let step = progress
-            .steps
-            .iter()
-            .find(|s| s.step.module == args.module && s.step.level == args.level);
+        let mut steps = progress.steps.iter();
+        let step = steps.find(|s| s.step.module == module && s.step.level == level);
         if step.is_some_and(|step| !step.open)
             && let Some(next) = progress.next()
         {
-            complain(format!(
-                "{}, level {}, is not open yet in the course {course}: {}, level {}, is next. The run goes on",
-                args.module, args.level, next.step.module, next.step.level
-            ));
+            closed.push(ComesFirst {
+                course: course.to_string(),
+                module: next.step.module.clone(),
+                level: next.step.level,
+            });
         }
+    }
+    Ok(closed)
+}
+
+/// Names the courses in which the level is not open yet.
+fn advise(store: &Store, trainee: Id, attempt: &Attempt<'_>) -> Result<(), Problem> {
+    let Attempt { module, level, .. } = *attempt;
+    for first in closed_courses(store, trainee, module, level)? {
+        complain(format!(
+            "{module}, level {level}, is not open yet in the course {}: {}, level {}, is next. The run goes on",
+            first.course, first.module, first.level
+        ));
     }
     Ok(())
 }

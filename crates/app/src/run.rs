@@ -8,7 +8,7 @@ use crate::motion_length::motion_length;
 use crate::names::name_or_id;
 use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::progress::Progress;
-use crate::records::RunRecord;
+use crate::records::{Attempt, RunRecord};
 use crate::replace_file::write_new;
 use crate::report::{summary, write_beside, write_page};
 use crate::session_file::{installation, is_session, read_around, report_of, verdict_word};
@@ -125,9 +125,18 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
     {
         return Err("--stop-at lies before the checkpoint that the run goes on from".into());
     }
-    let record = RunRecord::begin(place, args, &session)?;
+    let record = RunRecord::begin(place, &attempt(args), &session)?;
     let outcome = carry_out(place, &installation, &plan, args, resume, &record)?;
     finish(&installation, &plan, args, &session, &outcome, &record)
+}
+
+fn attempt(args: &RunArgs) -> Attempt<'_> {
+    Attempt {
+        module: &args.module,
+        level: args.level,
+        trainee: args.trainee.as_deref(),
+        no_store: args.no_store,
+    }
 }
 
 /// Refuses what a run would otherwise overwrite, before it begins.

@@ -164,10 +164,7 @@ fn tracker(
 }
 
 /// The set-up of mouse and keyboard: a hand for each tool of the level.
-fn desktop(
-    installation: &Installation,
-    request: &Request,
-) -> Result<SourceSetup, AssembleError> {
+fn desktop(installation: &Installation, request: &Request) -> Result<SourceSetup, AssembleError> {
     let level = installation.level(&request.module, request.level)?;
     let desktop = settings::load_desktop(&installation.setting("desktop.toml"))?;
     let tools = level.settings.tool.iter().map(|slot| slot.name.clone());

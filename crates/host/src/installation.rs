@@ -281,7 +281,7 @@ impl Installation {
     }
 
     /// The file with the shape of a tool.
-    pub(crate) fn tool_file(&self, model: &str) -> PathBuf {
+    pub fn tool_file(&self, model: &str) -> PathBuf {
         self.config.join("tools").join(format!("{model}.toml"))
     }
 

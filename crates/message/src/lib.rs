@@ -21,7 +21,9 @@ mod tests;
 mod tool;
 mod wire;
 
-pub use input::{DesktopInput, ImplausibleSample, InputEnd, InputSample, InputTiming, MarkerTracking};
+pub use input::{
+    DesktopInput, ImplausibleSample, InputEnd, InputSample, InputTiming, MarkerTracking,
+};
 pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,

@@ -74,7 +74,11 @@ impl DesktopConfig {
         };
         let [x, y, z] = self.centre;
         let place = |(index, tool): (usize, &String)| {
-            let side = if index == 0 && self.tools.len() > 1 { -1.0 } else { 1.0 };
+            let side = if index == 0 && self.tools.len() > 1 {
+                -1.0
+            } else {
+                1.0
+            };
             let tip = [
                 x + side * self.desktop.side * self.field,
                 y - self.desktop.distance * self.field,
@@ -98,6 +102,9 @@ pub fn read_desktop(text: &str, file: &str) -> Result<Loaded<Desktop>, ConfigErr
 
 /// Reads the file of mouse and keyboard at `path`.
 pub fn load_desktop(path: &Path) -> Result<Loaded<Desktop>, ConfigErrors> {
-    let text = load_text(path, "the settings of mouse and keyboard (config/desktop.toml)")?;
+    let text = load_text(
+        path,
+        "the settings of mouse and keyboard (config/desktop.toml)",
+    )?;
     read_desktop(&text, &path.display().to_string())
 }

@@ -155,7 +155,11 @@ impl DesktopHand {
         let [target, tip, velocity] = self.state.tip.map(Vector3::from);
         let within = |vector: Vector3<f64>, most: f64| {
             let length = vector.norm();
-            if length > most { vector * (most / length) } else { vector }
+            if length > most {
+                vector * (most / length)
+            } else {
+                vector
+            }
         };
         let wanted = within((target - tip) / limits.lag.max(dt), limits.speed);
         let velocity = velocity + within(wanted - velocity, limits.acceleration * dt);
@@ -209,15 +213,25 @@ mod tests {
         let [x, y, z, w] = angles.orientation();
         let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         let handle = turn * Vector3::z();
-        let expected = [0.4f64.sin() * 0.3f64.cos(), -(0.4f64.cos()) * 0.3f64.cos(), 0.3f64.sin()];
-        assert!((handle - Vector3::from(expected)).norm() < 1e-15, "{handle}");
+        let expected = [
+            0.4f64.sin() * 0.3f64.cos(),
+            -(0.4f64.cos()) * 0.3f64.cos(),
+            0.3f64.sin(),
+        ];
+        assert!(
+            (handle - Vector3::from(expected)).norm() < 1e-15,
+            "{handle}"
+        );
         // In the vertical plane through the handle, perpendicular to it and upwards.
         let jaws = turn * Vector3::x();
         assert!(jaws.dot(&handle).abs() < 1e-15 && jaws.z > 0.0);
         assert!(jaws.dot(&Vector3::z().cross(&handle)).abs() < 1e-15);
 
         // A quarter turn about the shaft lays them into the horizontal.
-        let rolled = HandAngles { roll: FRAC_PI_2, ..angles };
+        let rolled = HandAngles {
+            roll: FRAC_PI_2,
+            ..angles
+        };
         let [x, y, z, w] = rolled.orientation();
         let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         assert!((turn * Vector3::x()).z.abs() < 1e-15);
@@ -260,7 +274,9 @@ mod tests {
         for tick in 0..200 {
             hand.advance(DT, f64::from(tick) * DT);
         }
-        let HandAngles { azimuth, elevation, .. } = hand.state().angles[1];
+        let HandAngles {
+            azimuth, elevation, ..
+        } = hand.state().angles[1];
         assert_eq!((hand.state().opening[1], elevation), (0.0, LOWEST));
         assert!((azimuth - 0.1).abs() < 1e-15);
     }

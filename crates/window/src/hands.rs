@@ -3,7 +3,7 @@
 //! The pointer moves the tip of the active tool in the plane of the field, so that it goes along with the pointer in the picture; the wheel lifts and lowers it. The left button
 //! closes it, the right one turns it. The other hand stays where it is.
 
-use eframe::egui::{self, Event, Key, MouseWheelUnit, PointerButton, Rect, Vec2};
+use eframe::egui::{self, Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2};
 use microsim_message::DesktopInput;
 use microsim_settings::{Desktop, View};
 
@@ -11,6 +11,15 @@ use microsim_settings::{Desktop, View};
 const TURN: f64 = 0.006;
 /// A key that is held turns by this much in a second \[rad/s\].
 const KEY_TURN: f64 = 1.2;
+/// Keys that move the tip by a step: key, axis of the field, direction.
+const STEPS: [(Key, usize, f64); 6] = [
+    (Key::ArrowRight, 0, 1.0),
+    (Key::ArrowLeft, 0, -1.0),
+    (Key::ArrowUp, 1, 1.0),
+    (Key::ArrowDown, 1, -1.0),
+    (Key::W, 2, 1.0),
+    (Key::S, 2, -1.0),
+];
 /// With Shift, motions are this much of what they are without.
 const FINE: f64 = 0.25;
 /// Lifting a tip moves it in the picture, too; a field that is seen from the side would make depth of a small motion, which this bounds.
@@ -25,6 +34,10 @@ pub struct Hands {
     keeps: Vec<bool>,
     /// The tool that the button closes now.
     closing: Option<usize>,
+    /// Whether the right button turns.
+    is_turning: bool,
+    /// Where the pointer was last \[points\].
+    pointer: Option<Pos2>,
     desktop: Desktop,
     view: View,
 }
@@ -36,6 +49,8 @@ impl Hands {
             active: tools.len().saturating_sub(1),
             keeps: vec![false; tools.len()],
             closing: None,
+            is_turning: false,
+            pointer: None,
             tools,
             desktop,
             view,
@@ -59,60 +74,114 @@ impl Hands {
         }
     }
 
-    /// What the events since the last picture ask for; `picture` is where the field is shown \[points\], of whose smaller side the field takes all.
+    /// What the events since the last picture ask for, one after the other, however many there are: `picture` is where the field is shown \[points\], of whose smaller side
+    /// the field takes all.
     pub fn wishes(&mut self, input: &egui::InputState, picture: Rect) -> Vec<DesktopInput> {
         let mut wishes = Vec::new();
         if self.tools.is_empty() {
             return wishes;
         }
-        if input.key_pressed(Key::Tab) && self.tools.len() > 1 {
-            wishes.extend(self.release());
-            self.active = (self.active + 1) % self.tools.len();
+        for event in &input.events {
+            self.handle(event, input.modifiers.shift, picture, &mut wishes);
         }
-        let fine = if input.modifiers.shift { FINE } else { 1.0 };
-        let mut wish = self.wish(self.active);
-        let is_over = |position: Option<egui::Pos2>| position.is_some_and(|p| picture.contains(p));
-        let over = is_over(input.pointer.latest_pos());
-        if over && !input.pointer.button_down(PointerButton::Secondary) {
-            self.move_tip(&mut wish, input.pointer.delta(), picture, fine);
-        }
-        if input.pointer.button_down(PointerButton::Secondary) && is_over(input.pointer.press_origin())
-        {
-            let Vec2 { x, y } = input.pointer.delta();
-            wish.turn[0] += f64::from(x) * TURN * fine;
-            wish.turn[1] += f64::from(y) * TURN * fine;
-        }
-        let step = self.desktop.step * self.view.field * fine;
-        wish.shift[2] += if over { notches(input) } else { 0.0 } * step;
-        self.press_keys(&mut wish, input, step, fine);
-        if wish.shift != [0.0; 3] || wish.turn != [0.0; 3] {
+        let dt = f64::from(input.stable_dt.min(0.1));
+        let rolls = |key| f64::from(u8::from(input.key_down(key)));
+        let roll = (rolls(Key::E) - rolls(Key::Q)) * KEY_TURN * dt;
+        if roll != 0.0 {
+            let mut wish = self.wish(self.active);
+            wish.turn[2] = roll * if input.modifiers.shift { FINE } else { 1.0 };
             wishes.push(wish);
         }
-        if over && input.pointer.button_pressed(PointerButton::Primary) {
-            self.closing = Some(self.active);
-            self.keeps[self.active] = false;
-            wishes.push(DesktopInput {
-                opening: Some(0.0),
-                ..self.wish(self.active)
-            });
-        }
-        if input.key_pressed(Key::C) {
-            self.keeps[self.active] = !self.keeps[self.active];
-            let opening = match self.keeps[self.active] {
-                true => 0.0,
-                false => self.desktop.opening,
-            };
-            if self.closing != Some(self.active) {
-                wishes.push(DesktopInput {
-                    opening: Some(opening),
-                    ..self.wish(self.active)
-                });
-            }
-        }
-        if !input.pointer.button_down(PointerButton::Primary) {
-            wishes.extend(self.release());
-        }
         wishes
+    }
+
+    fn handle(
+        &mut self,
+        event: &Event,
+        is_fine: bool,
+        picture: Rect,
+        wishes: &mut Vec<DesktopInput>,
+    ) {
+        let fine = if is_fine { FINE } else { 1.0 };
+        let step = self.desktop.step * self.view.field * fine;
+        let mut wish = self.wish(self.active);
+        match event {
+            Event::PointerMoved(to) => {
+                let from = self.pointer.replace(*to);
+                let is_over =
+                    from.is_some_and(|from| picture.contains(from)) && picture.contains(*to);
+                let delta = *to - from.unwrap_or(*to);
+                match self.is_turning {
+                    true => {
+                        wish.turn[0] = f64::from(delta.x) * TURN * fine;
+                        wish.turn[1] = f64::from(delta.y) * TURN * fine;
+                    }
+                    false if is_over => self.move_tip(&mut wish, delta, picture, fine),
+                    false => {}
+                }
+            }
+            Event::PointerGone => self.pointer = None,
+            Event::PointerButton {
+                pos,
+                button: PointerButton::Secondary,
+                pressed,
+                ..
+            } => self.is_turning = *pressed && picture.contains(*pos),
+            Event::PointerButton {
+                pos,
+                button: PointerButton::Primary,
+                pressed,
+                ..
+            } => match pressed {
+                true if picture.contains(*pos) => {
+                    self.closing = Some(self.active);
+                    self.keeps[self.active] = false;
+                    wish.opening = Some(0.0);
+                }
+                true => {}
+                false => wishes.extend(self.release()),
+            },
+            Event::MouseWheel { unit, delta, .. } => {
+                // A touch pad counts points: a line has about the height of a text.
+                let points = if *unit == MouseWheelUnit::Point {
+                    16.0
+                } else {
+                    1.0
+                };
+                if self.pointer.is_some_and(|at| picture.contains(at)) {
+                    wish.shift[2] = f64::from(delta.y) / points * step;
+                }
+            }
+            Event::Key {
+                key,
+                pressed: true,
+                repeat,
+                ..
+            } => {
+                if let Some((_, axis, sign)) = STEPS.iter().find(|(of, ..)| of == key) {
+                    wish.shift[*axis] = sign * step;
+                } else if *key == Key::Tab && !repeat && self.tools.len() > 1 {
+                    wishes.extend(self.release());
+                    self.active = (self.active + 1) % self.tools.len();
+                } else if *key == Key::C && !repeat {
+                    self.keeps[self.active] = !self.keeps[self.active];
+                    let keeps = self.keeps[self.active];
+                    // While the button is pressed they are closed; what counts is its release.
+                    if self.closing != Some(self.active) {
+                        wish.opening = Some(if keeps { 0.0 } else { self.desktop.opening });
+                    }
+                }
+            }
+            // Whoever looks at another window lets go.
+            Event::WindowFocused(false) => {
+                self.is_turning = false;
+                wishes.extend(self.release());
+            }
+            _ => {}
+        }
+        if wish.shift != [0.0; 3] || wish.turn != [0.0; 3] || wish.opening.is_some() {
+            wishes.push(wish);
+        }
     }
 
     /// The button is no longer pressed: jaws that are not kept closed open.
@@ -132,46 +201,128 @@ impl Hands {
         wish.shift[0] += f64::from(delta.x) * scale;
         wish.shift[1] -= f64::from(delta.y) * scale / foreshortening;
     }
-
-    fn press_keys(&self, wish: &mut DesktopInput, input: &egui::InputState, step: f64, fine: f64) {
-        let presses = |key: Key| {
-            let is_press = |event: &&Event| matches!(event, Event::Key { key: k, pressed: true, .. } if *k == key);
-            input.events.iter().filter(is_press).count() as f64
-        };
-        for (key, axis, sign) in [
-            (Key::ArrowRight, 0, 1.0),
-            (Key::ArrowLeft, 0, -1.0),
-            (Key::ArrowUp, 1, 1.0),
-            (Key::ArrowDown, 1, -1.0),
-            (Key::W, 2, 1.0),
-            (Key::S, 2, -1.0),
-        ] {
-            wish.shift[axis] += presses(key) * sign * step;
-        }
-        let dt = f64::from(input.stable_dt.min(0.1));
-        for (key, sign) in [(Key::Q, -1.0), (Key::E, 1.0)] {
-            if input.key_down(key) {
-                wish.turn[2] += sign * KEY_TURN * dt * fine;
-            }
-        }
-    }
 }
 
-/// Notches of the wheel since the last picture, away from the hand positive.
-fn notches(input: &egui::InputState) -> f64 {
-    let turned = |event: &Event| match event {
-        Event::MouseWheel {
-            unit: MouseWheelUnit::Line | MouseWheelUnit::Page,
-            delta,
-            ..
-        } => f64::from(delta.y),
-        // A touch pad: a line has about the height of a text.
-        Event::MouseWheel {
-            unit: MouseWheelUnit::Point,
-            delta,
-            ..
-        } => f64::from(delta.y) / 16.0,
-        _ => 0.0,
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Modifiers, pos2, vec2};
+
+    const PICTURE: Rect = Rect {
+        min: pos2(0.0, 0.0),
+        max: pos2(500.0, 500.0),
     };
-    input.events.iter().map(turned).sum()
+
+    fn hands() -> Hands {
+        let view = View {
+            field: 0.025,
+            centre: [0.0; 3],
+            tilt: 60_f64.to_radians(),
+        };
+        let desktop = microsim_settings::read_desktop("", "desktop.toml")
+            .unwrap()
+            .settings;
+        Hands::new(vec!["left".into(), "right".into()], desktop, view)
+    }
+
+    fn handle(hands: &mut Hands, events: &[Event]) -> Vec<DesktopInput> {
+        let mut wishes = Vec::new();
+        for event in events {
+            hands.handle(event, false, PICTURE, &mut wishes);
+        }
+        wishes
+    }
+
+    fn button(button: PointerButton, pressed: bool) -> Event {
+        Event::PointerButton {
+            pos: pos2(100.0, 100.0),
+            button,
+            pressed,
+            modifiers: Modifiers::NONE,
+        }
+    }
+
+    fn key(key: Key) -> Event {
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        }
+    }
+
+    /// 500 points are 25 mm, so 20 points are 1 mm to the right; upwards, seen at 60°, they are 1 mm / cos 60° in the plane of the field. Shift takes a quarter.
+    #[test]
+    fn the_tip_goes_along_with_the_pointer() {
+        let mut hands = hands();
+        let there = Event::PointerMoved(pos2(100.0, 100.0));
+        let moved = Event::PointerMoved(pos2(120.0, 80.0));
+        let wishes = handle(&mut hands, &[there.clone(), moved.clone()]);
+        let [wish] = &wishes[..] else {
+            panic!("{wishes:?}")
+        };
+        assert_eq!(wish.tool, "right");
+        assert!((wish.shift[0] - 1e-3).abs() < 1e-9 && (wish.shift[1] - 2e-3).abs() < 1e-9);
+        handle(&mut hands, &[there]);
+        let mut fine = Vec::new();
+        hands.handle(&moved, true, PICTURE, &mut fine);
+        assert!((fine[0].shift[0] - 0.25e-3).abs() < 1e-9);
+        // From outside of the picture nothing is pulled along.
+        let outside = Event::PointerMoved(pos2(900.0, 80.0));
+        assert_eq!(handle(&mut hands, &[outside, moved]), []);
+    }
+
+    /// However slow the pictures are: what was done between two of them counts in its order.
+    #[test]
+    fn buttons_close_and_turn_in_the_order_of_the_events() {
+        let mut hands = hands();
+        let to = |x, y| Event::PointerMoved(pos2(x, y));
+        let turn = button(PointerButton::Secondary, true);
+        let events = [
+            to(100.0, 100.0),
+            turn,
+            to(110.0, 100.0),
+            button(PointerButton::Secondary, false),
+            to(110.0, 120.0),
+        ];
+        let wishes = handle(&mut hands, &events);
+        assert_eq!(wishes.len(), 2, "{wishes:?}");
+        assert!(wishes[0].turn[0] > 0.0 && wishes[0].shift == [0.0; 3]);
+        assert!(wishes[1].turn == [0.0; 3] && wishes[1].shift[1] < 0.0);
+
+        let opening =
+            |wishes: Vec<DesktopInput>| wishes.iter().map(|w| w.opening).collect::<Vec<_>>();
+        let press = button(PointerButton::Primary, true);
+        let release = button(PointerButton::Primary, false);
+        assert_eq!(
+            opening(handle(&mut hands, &[press.clone(), release.clone()])),
+            [Some(0.0), Some(0.8)]
+        );
+        // Kept closed: the release does not open, the key does.
+        assert_eq!(
+            opening(handle(
+                &mut hands,
+                &[press.clone(), key(Key::C), release.clone()]
+            )),
+            [Some(0.0)]
+        );
+        assert_eq!(opening(handle(&mut hands, &[key(Key::C)])), [Some(0.8)]);
+        // The other hand: what the button closed opens, and the wheel lifts the other one.
+        let wheel = Event::MouseWheel {
+            unit: MouseWheelUnit::Line,
+            delta: vec2(0.0, 1.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: Modifiers::NONE,
+        };
+        let wishes = handle(&mut hands, &[press, key(Key::Tab), wheel]);
+        let of: Vec<(&str, Option<f64>)> =
+            wishes.iter().map(|w| (&w.tool[..], w.opening)).collect();
+        assert_eq!(
+            of,
+            [("right", Some(0.0)), ("right", Some(0.8)), ("left", None)]
+        );
+        assert!((wishes[2].shift[2] - 0.25e-3).abs() < 1e-12);
+    }
 }

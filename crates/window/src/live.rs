@@ -242,8 +242,8 @@ impl Operator for Seat<'_> {
             pace.ticks = seen.tick + 1;
             pace.late = seen.late_ticks;
             if let Some(solver) = solver {
-                pace.unconverged += u64::from(!solver.converged());
-                pace.held += u64::from(!solver.valid());
+                pace.unconverged += u64::from(solver.unconverged > 0);
+                pace.held += u64::from(!solver.valid);
             }
         }
         *lock(&self.exchange.latest) = Some(Snapshot {

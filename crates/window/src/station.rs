@@ -72,7 +72,7 @@ pub struct Choice {
 }
 
 /// A place to train at.
-pub trait Station: Send + Sync {
+pub trait Station {
     /// What can be trained.
     fn catalogue(&self) -> Catalogue;
 

@@ -2,8 +2,8 @@
 
 #![forbid(unsafe_code)]
 
-use microsim_sdk::message::DesktopInput;
-use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, decode_bytes, encode, export_plugin};
+use microsim_sdk::message::{DesktopInput, decode_bytes, encode};
+use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::DesktopConfig;
 use microsim_tracking::{DesktopHand, DesktopHandState};
 

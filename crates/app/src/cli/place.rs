@@ -6,7 +6,7 @@ use microsim_host::assemble::Isolate;
 use std::path::PathBuf;
 
 /// Where the installation is.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct Place {
     /// Folder with plugins/, modules/, config/ and assets/ [default: the folder of this program]
     #[arg(long, global = true, value_name = "DIR", help_heading = "Place", value_parser = utf8_path)]

@@ -1,0 +1,312 @@
+//! `microsim window`, and `microsim` alone: the station behind the operator's window.
+
+use crate::cli::{Place, WindowArgs};
+use crate::folders::{self, Folders};
+use crate::key_pictures::not_asked;
+use crate::log;
+use crate::names::shown;
+use crate::output::{Exit, Problem, complain};
+use crate::records::{self, Attempt, RunRecord};
+use crate::report::write_beside;
+use crate::session_file::{installation, read_around, report_of};
+use crate::station;
+use microsim_host::assemble::{Input, Installation, Request, assemble, renderer_for};
+use microsim_host::plan::{PluginKind, RunPlan};
+use microsim_host::run::{Operator, Realtime, RunOptions, RunOutcome, run};
+use microsim_message::LocalText;
+use microsim_report::Page;
+use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig};
+use microsim_store::Id;
+use microsim_window::{
+    Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Opening, Station, ToolEntry,
+    TraineeEntry,
+};
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, SystemTime};
+
+/// Shows the window until it is closed.
+pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
+    let installation = installation(place)?;
+    let language = match args.lang.as_deref() {
+        Some("de") => settings_language(true),
+        Some(_) => settings_language(false),
+        None => installation.host.report.language,
+    };
+    let trainee = args.trainee.as_deref().map(|name| {
+        let store = records::must_read(place)?;
+        Ok::<_, Problem>(records::find(&store, name)?.id.to_string())
+    });
+    let trainee = trainee.transpose()?;
+    let choice = args.module.as_ref().map(|module| {
+        installation.level(module, args.level)?;
+        Ok::<_, Problem>(Choice {
+            module: module.clone(),
+            level: args.level,
+            trainee: trainee.clone(),
+        })
+    });
+    let opening = Opening {
+        language,
+        choice: choice.transpose()?,
+        begins: args.module.is_some(),
+        size: args.size,
+    };
+    let station = AtThisPlace {
+        place: place.clone(),
+        installation,
+    };
+    microsim_window::open(Box::new(station), opening)?;
+    Ok(Exit::Done)
+}
+
+fn settings_language(is_german: bool) -> microsim_report::Language {
+    match is_german {
+        true => microsim_report::Language::German,
+        false => microsim_report::Language::English,
+    }
+}
+
+/// The installation and the folders of the user.
+struct AtThisPlace {
+    place: Place,
+    installation: Installation,
+}
+
+impl AtThisPlace {
+    fn level_entry(&self, module: &str, number: u32) -> Result<LevelEntry, String> {
+        let level = self
+            .installation
+            .level(module, number)
+            .map_err(|e| e.to_string())?;
+        let level = &level.settings;
+        let tool = |slot: &settings::ToolSlot| {
+            let tool = settings::load_tool(&self.installation.tool_file(&slot.model));
+            let tool = tool.map_err(|e| e.to_string())?;
+            Ok::<_, String>(ToolEntry {
+                slot: slot.name.clone(),
+                title: tool.settings.title,
+            })
+        };
+        Ok(LevelEntry {
+            number,
+            title: level.title.clone(),
+            summary: level.summary.clone(),
+            tools: level.tool.iter().map(tool).collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl Station for AtThisPlace {
+    fn catalogue(&self) -> Catalogue {
+        let mut catalogue = Catalogue {
+            modules: Vec::new(),
+            complaints: self
+                .installation
+                .complaints
+                .iter()
+                .map(ToString::to_string)
+                .collect(),
+        };
+        for module in &self.installation.tree.modules {
+            let manifest = &module.manifest.settings;
+            let mut entry = ModuleEntry {
+                name: manifest.name.clone(),
+                title: manifest.title.clone(),
+                summary: manifest.summary.clone(),
+                levels: Vec::new(),
+            };
+            for number in 1..=module.levels.len() as u32 {
+                match self.level_entry(&manifest.name, number) {
+                    Ok(level) => entry.levels.push(level),
+                    Err(why) => catalogue.complaints.push(why),
+                }
+            }
+            catalogue.modules.push(entry);
+        }
+        catalogue
+    }
+
+    fn trainees(&self) -> Result<Vec<TraineeEntry>, String> {
+        let listed = || {
+            let Some(store) = records::open_to_read(&self.place)? else {
+                return Ok(Vec::new());
+            };
+            let trainees = store.trainees(None)?.into_iter();
+            let named = trainees.filter_map(|listed| {
+                let trainee = listed.trainee;
+                let name = trainee.name?;
+                Some(TraineeEntry {
+                    id: trainee.id.to_string(),
+                    name: shown(&name),
+                })
+            });
+            Ok::<_, Problem>(named.collect())
+        };
+        listed().map_err(text)
+    }
+
+    fn locked(&self, choice: &Choice) -> Option<LocalText> {
+        let trainee = choice.trainee.as_deref()?;
+        // A store that cannot be read locks nothing; `trainees` has said why it cannot.
+        let store = records::open_to_read(&self.place).ok().flatten()?;
+        let trainee = Id::parse(trainee)?;
+        let closed = records::closed_courses(&store, trainee, &choice.module, choice.level);
+        let next = closed.ok()?.into_iter().next()?;
+        Some(LocalText::new(
+            format!(
+                "Kurs {}: zuerst {}, Stufe {}",
+                next.course, next.module, next.level
+            ),
+            format!(
+                "course {}: {}, level {}, comes first",
+                next.course, next.module, next.level
+            ),
+        ))
+    }
+
+    fn begin(&self, choice: &Choice) -> Result<Box<dyn LiveSession>, String> {
+        let begun = || {
+            let session = new_session(&self.place, choice)?;
+            let plan = assemble(
+                &self.installation,
+                &Request {
+                    module: choice.module.clone(),
+                    level: choice.level,
+                    input: Input::Desktop,
+                    seed: 1,
+                    without: Vec::new(),
+                    pictures: false,
+                    session: session.clone(),
+                },
+            )?;
+            let renderer = renderer_for(&self.installation, &plan, None)?;
+            let picture: RendererConfig = renderer.setup.configuration()?;
+            let attempt = Attempt {
+                module: &choice.module,
+                level: choice.level,
+                trainee: choice.trainee.as_deref(),
+                no_store: false,
+            };
+            Ok::<_, Problem>(LevelAtDesk {
+                desktop: desktop(&plan)?,
+                record: RunRecord::begin(&self.place, &attempt, &session)?,
+                place: self.place.clone(),
+                realtime: Realtime {
+                    tolerance: Duration::from_secs_f64(self.installation.host.late.tolerance),
+                    give_up: Duration::from_secs_f64(self.installation.host.late.give_up),
+                },
+                language: self.installation.host.report.language,
+                picture,
+                plan,
+                session,
+            })
+        };
+        match begun() {
+            Ok(session) => Ok(Box::new(session)),
+            Err(problem) => Err(text(problem)),
+        }
+    }
+}
+
+fn text(problem: Problem) -> String {
+    match problem {
+        Problem::Text(text) => text,
+        Problem::BrokenPipe => "broken pipe".into(),
+    }
+}
+
+/// What the source of a plan has of mouse and keyboard.
+fn desktop(plan: &RunPlan) -> Result<Desktop, Problem> {
+    let source = plan.plugins.iter().find(|p| p.kind == PluginKind::Source);
+    let source = source.ok_or("the plan has no source")?;
+    let config: DesktopConfig = source.setup.configuration()?;
+    Ok(config.desktop)
+}
+
+/// A new name in the folder of sessions.
+fn new_session(place: &Place, choice: &Choice) -> Result<PathBuf, Problem> {
+    let folder = Folders::of(place)?.sessions();
+    folders::make(&folder)?;
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    let now = now.unwrap_or_default().as_millis();
+    let (module, level, process) = (&choice.module, choice.level, std::process::id());
+    Ok(folder.join(format!("{module}-level{level}-{now}-{process}.session")))
+}
+
+/// A level that is about to be trained at this place.
+struct LevelAtDesk {
+    place: Place,
+    plan: RunPlan,
+    session: PathBuf,
+    record: RunRecord,
+    realtime: Realtime,
+    language: microsim_report::Language,
+    picture: RendererConfig,
+    desktop: Desktop,
+}
+
+impl LiveSession for LevelAtDesk {
+    fn picture(&self) -> &RendererConfig {
+        &self.picture
+    }
+
+    fn desktop(&self) -> &Desktop {
+        &self.desktop
+    }
+
+    fn run(
+        &mut self,
+        stop: &AtomicBool,
+        operator: &mut dyn Operator,
+    ) -> Result<RunOutcome, String> {
+        let options = RunOptions {
+            threads: 1,
+            realtime: Some(self.realtime),
+            pictures: None,
+            resume: None,
+            stop_at: None,
+            stop,
+            operator: Some(operator),
+            trainee: self.record.trainee.map(|id| id.to_string()),
+            session_id: Some(self.record.id.to_string()),
+            unlisted: false,
+            key: station::key(&self.place)
+                .inspect_err(|why| complain(format!("the recording is not signed: {why}")))
+                .ok(),
+            progress: &mut |_, _| {},
+        };
+        run(&self.plan, options).map_err(|e| e.to_string())
+    }
+
+    fn finish(self: Box<Self>, outcome: &RunOutcome) -> Result<Debrief, String> {
+        let mut complaints = outcome.complaints.clone();
+        if let Some(failure) = &outcome.failure {
+            tracing::error!(target: log::FILE, "{failure}");
+            complaints.push(failure.to_string());
+        }
+        let session = &self.session;
+        let recorded = read_around(session).map_err(text)?;
+        let report = report_of(&recorded, session).map_err(text)?;
+        if let Some(Err(why)) = self.record.enter(&recorded, &report, session, &[]) {
+            complaints.push(why);
+        }
+        let page = Page {
+            language: self.language,
+            pictures: not_asked(),
+        };
+        let page = write_beside(&report, &page, session).map_err(|problem| {
+            format!(
+                "{}; the session is safe in {}",
+                text(problem),
+                session.display()
+            )
+        })?;
+        Ok(Debrief {
+            report,
+            session: self.session,
+            page,
+            complaints,
+        })
+    }
+}

@@ -1,0 +1,247 @@
+//! Which screen is shown, and what leads from one to the next.
+
+use crate::debrief::{self, Next};
+use crate::field::Field;
+use crate::launcher::{Launcher, Offer, Wanted};
+use crate::look;
+use crate::station::{Catalogue, Choice, Debrief, LevelEntry, ModuleEntry, Station, TraineeEntry};
+use crate::text;
+use crate::training::{Outcome, Training};
+use eframe::egui::{self, RichText, Ui};
+use microsim_vocabulary::Language;
+use std::fmt;
+
+/// With what the window opens.
+#[derive(Clone, Debug)]
+pub struct Opening {
+    /// Language of all texts; the operator can change it.
+    pub language: Language,
+    /// A level that is chosen, or begun at once.
+    pub choice: Option<Choice>,
+    /// Whether it begins at once.
+    pub begins: bool,
+    /// Width and height of the window \[points\].
+    pub size: [f32; 2],
+}
+
+/// Why there is no window.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WindowError(String);
+
+impl fmt::Display for WindowError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "no window: {}; it needs a display (X11, which Wayland desktops have, too) and a graphics driver with Vulkan \
+             (Debian, Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1). `microsim run` works without",
+            self.0
+        )
+    }
+}
+
+impl std::error::Error for WindowError {}
+
+/// Shows the window until it is closed.
+///
+/// # Errors
+/// One sentence where there is no display, or no driver.
+pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowError> {
+    if std::env::var_os("DISPLAY").is_none_or(|value| value.is_empty()) {
+        return Err(WindowError(
+            "there is no display (DISPLAY is not set)".into(),
+        ));
+    }
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("MicroSim")
+            .with_app_id("microsim")
+            .with_inner_size(opening.size)
+            .with_min_inner_size([1000.0, 640.0]),
+        renderer: eframe::Renderer::Wgpu,
+        ..Default::default()
+    };
+    let create = |context: &eframe::CreationContext<'_>| {
+        let desk = Desk::new(context, station, opening)?;
+        Ok(Box::new(desk) as Box<dyn eframe::App>)
+    };
+    eframe::run_native("MicroSim", options, Box::new(create))
+        .map_err(|error| WindowError(error.to_string()))
+}
+
+enum Screen {
+    Launcher,
+    Training(Box<Training>),
+    Debrief(Box<Debrief>, Choice),
+    /// Why a level did not begin, or has nothing to show.
+    Complaint(String),
+}
+
+struct Desk {
+    station: Box<dyn Station>,
+    language: Language,
+    catalogue: Catalogue,
+    trainees: Result<Vec<TraineeEntry>, String>,
+    launcher: Launcher,
+    field: Field,
+    screen: Screen,
+}
+
+impl Desk {
+    fn new(
+        context: &eframe::CreationContext<'_>,
+        station: Box<dyn Station>,
+        opening: Opening,
+    ) -> Result<Self, String> {
+        let state = context.wgpu_render_state.as_ref();
+        let field = Field::new(state.ok_or("the window has no graphics device")?)?;
+        look::apply(&context.egui_ctx);
+        let catalogue = station.catalogue();
+        let mut desk = Self {
+            trainees: station.trainees(),
+            language: opening.language,
+            launcher: Launcher::default(),
+            screen: Screen::Launcher,
+            station,
+            catalogue,
+            field,
+        };
+        if let Some(choice) = opening.choice {
+            let place = desk
+                .catalogue
+                .modules
+                .iter()
+                .position(|m| m.name == choice.module);
+            desk.launcher.module = place.unwrap_or_default();
+            desk.launcher.level = choice.level;
+            desk.launcher.trainee = choice.trainee.clone();
+            if opening.begins {
+                desk.begin(choice, &context.egui_ctx);
+            }
+        }
+        Ok(desk)
+    }
+
+    fn entries(&self, choice: &Choice) -> Option<(&ModuleEntry, &LevelEntry)> {
+        let module = self
+            .catalogue
+            .modules
+            .iter()
+            .find(|m| m.name == choice.module)?;
+        let level = module.levels.iter().find(|l| l.number == choice.level)?;
+        Some((module, level))
+    }
+
+    fn begin(&mut self, choice: Choice, context: &egui::Context) {
+        // What ran before has to be closed, so that two runs never compute at once.
+        self.screen = Screen::Launcher;
+        let begun = match self.entries(&choice) {
+            None => Err(format!(
+                "there is no level {} of {}",
+                choice.level, choice.module
+            )),
+            Some((module, level)) => self.station.begin(&choice).and_then(|session| {
+                Training::begin(choice.clone(), module, level, session, context)
+            }),
+        };
+        self.screen = match begun {
+            Ok(training) => Screen::Training(Box::new(training)),
+            Err(why) => Screen::Complaint(why),
+        };
+    }
+
+    fn show_launcher(&mut self, ui: &mut Ui) {
+        let station = &self.station;
+        let offer = Offer {
+            catalogue: &self.catalogue,
+            trainees: &self.trainees,
+            locked: &|choice| station.locked(choice),
+        };
+        match self.launcher.show(ui, &offer, self.language) {
+            None => {}
+            Some(Wanted::Language) => self.language = other(self.language),
+            Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
+            Some(Wanted::Begin(choice)) => {
+                let context = ui.ctx().clone();
+                self.begin(choice, &context);
+            }
+        }
+    }
+
+    fn show_debrief(&mut self, ui: &mut Ui) {
+        let Screen::Debrief(debrief, choice) = &self.screen else {
+            return;
+        };
+        let next = Choice {
+            level: choice.level + 1,
+            ..choice.clone()
+        };
+        let again = choice.clone();
+        let has_next = self.entries(&next).is_some();
+        match debrief::show(ui, debrief, has_next, self.language) {
+            None => {}
+            Some(Next::Back) => self.screen = Screen::Launcher,
+            Some(wanted) => {
+                let choice = if wanted == Next::Again { again } else { next };
+                self.launcher.level = choice.level;
+                let context = ui.ctx().clone();
+                self.begin(choice, &context);
+            }
+        }
+    }
+
+    fn show_complaint(&mut self, ui: &mut Ui) {
+        let Screen::Complaint(why) = &self.screen else {
+            return;
+        };
+        let mut back = false;
+        egui::CentralPanel::default().show(ui, |ui| {
+            ui.add_space(60.0);
+            ui.vertical_centered(|ui| {
+                ui.set_max_width(720.0);
+                let title = RichText::new(text::NOT_BEGUN.of(self.language));
+                ui.label(title.size(20.0).strong().color(look::BAD));
+                ui.label(why);
+                back = ui
+                    .add(look::main_button(text::BACK.of(self.language)))
+                    .clicked();
+            });
+        });
+        if back {
+            self.screen = Screen::Launcher;
+        }
+    }
+}
+
+fn other(language: Language) -> Language {
+    match language {
+        Language::German => Language::English,
+        Language::English => Language::German,
+    }
+}
+
+impl eframe::App for Desk {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        match &mut self.screen {
+            Screen::Launcher => self.show_launcher(ui),
+            Screen::Debrief(..) => self.show_debrief(ui),
+            Screen::Complaint(_) => self.show_complaint(ui),
+            Screen::Training(training) => match training.show(ui, &mut self.field, self.language) {
+                None => {}
+                Some(Outcome::Restart) => {
+                    let (choice, context) = (training.choice.clone(), ui.ctx().clone());
+                    self.begin(choice, &context);
+                }
+                Some(Outcome::Ended(Ok(debrief))) => {
+                    let choice = training.choice.clone();
+                    self.screen = Screen::Debrief(Box::new(debrief), choice);
+                    ui.ctx().request_repaint();
+                }
+                Some(Outcome::Ended(Err(why))) => self.screen = Screen::Complaint(why),
+            },
+        }
+    }
+
+    fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
+        look::BACKGROUND.to_normalized_gamma_f32()
+    }
+}

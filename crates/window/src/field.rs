@@ -1,0 +1,92 @@
+//! The field of the microscope: snapshots drawn into a texture that egui shows.
+
+use crate::live::Snapshot;
+use eframe::egui::TextureId;
+use eframe::egui_wgpu::RenderState;
+use eframe::wgpu;
+use microsim_gpu::Gpu;
+use microsim_message::{ObjectScene, ToolPlacements, ToolStates};
+use microsim_render::{Picture, Renderer, snapshot};
+use microsim_settings::RendererConfig;
+
+/// Smallest side of a picture \[pixels\].
+const LEAST_SIDE: u32 = 64;
+
+/// Draws the field.
+pub struct Field {
+    state: RenderState,
+    renderer: Renderer,
+    /// Where the picture is for egui, with its size \[pixels\].
+    shown: Option<(TextureId, [u32; 2])>,
+}
+
+impl Field {
+    /// Draws with the device of the window.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn new(state: &RenderState) -> Result<Self, String> {
+        let name = state.adapter.get_info().name;
+        let gpu = Gpu::from_device(state.device.clone(), state.queue.clone(), name);
+        let renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
+        Ok(Self {
+            state: state.clone(),
+            renderer,
+            shown: None,
+        })
+    }
+
+    /// Draws a snapshot `size` pixels wide and high.
+    ///
+    /// # Errors
+    /// What the renderer refuses; the last picture stays.
+    pub fn draw(
+        &mut self,
+        config: &RendererConfig,
+        snapshot: &Snapshot,
+        size: [u32; 2],
+    ) -> Result<TextureId, String> {
+        let [width, height] = size.map(|side| side.max(LEAST_SIDE));
+        let picture = Picture {
+            width,
+            height,
+            ..picture_of(config, snapshot)
+        };
+        self.renderer.render(&picture).map_err(|e| e.to_string())?;
+        self.texture([width, height])
+    }
+
+    fn texture(&mut self, size: [u32; 2]) -> Result<TextureId, String> {
+        if let Some((id, shown)) = self.shown
+            && shown == size
+        {
+            return Ok(id);
+        }
+        let texture = self.renderer.texture().ok_or("nothing was drawn")?;
+        // egui blends encoded colours.
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            format: Some(wgpu::TextureFormat::Rgba8Unorm),
+            ..Default::default()
+        });
+        let mut egui = self.state.renderer.write();
+        let (device, filter) = (&self.state.device, wgpu::FilterMode::Linear);
+        let id = match self.shown {
+            Some((id, _)) => {
+                egui.update_egui_texture_from_wgpu_texture(device, &view, filter, id);
+                id
+            }
+            None => egui.register_native_texture(device, &view, filter),
+        };
+        self.shown = Some((id, size));
+        Ok(id)
+    }
+}
+
+/// What is to be seen of a snapshot. Placements count in their own tick alone.
+fn picture_of(config: &RendererConfig, seen: &Snapshot) -> Picture {
+    let objects = seen.latest::<ObjectScene>().unwrap_or_default();
+    let tools = seen.latest::<ToolStates>().unwrap_or_default();
+    let placements = seen.latest::<ToolPlacements>();
+    let placements = placements.filter(|placed| placed.tick == seen.tick);
+    snapshot::picture(config, &objects, &tools, placements.as_ref(), seen.bodies())
+}

@@ -1,0 +1,228 @@
+//! Choosing: who trains, which module, which level.
+
+use crate::look;
+use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, TraineeEntry};
+use crate::text::{self, local};
+use eframe::egui::{self, Align, Layout, ScrollArea, Sense, Ui};
+use microsim_message::LocalText;
+use microsim_vocabulary::Language;
+
+/// What is chosen so far.
+#[derive(Clone, Debug, Default)]
+pub struct Launcher {
+    /// Place of the module in the catalogue.
+    pub module: usize,
+    /// Level, from 1.
+    pub level: u32,
+    /// Id of the trainee.
+    pub trainee: Option<String>,
+}
+
+/// What the operator asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// A run of what is chosen.
+    Begin(Choice),
+    /// The other language.
+    Language,
+    /// The end.
+    Quit,
+}
+
+/// What the launcher shows.
+pub struct Offer<'a> {
+    /// What can be trained.
+    pub catalogue: &'a Catalogue,
+    /// Who trains here, or why that is not known.
+    pub trainees: &'a Result<Vec<TraineeEntry>, String>,
+    /// Why a level is not open to the trainee.
+    pub locked: &'a dyn Fn(&Choice) -> Option<LocalText>,
+}
+
+impl Launcher {
+    /// What is chosen, if there is anything to choose.
+    pub fn choice(&self, catalogue: &Catalogue) -> Option<Choice> {
+        let module = catalogue.modules.get(self.module)?;
+        Some(Choice {
+            module: module.name.clone(),
+            level: self.level.max(1),
+            trainee: self.trainee.clone(),
+        })
+    }
+
+    /// Shows it.
+    pub fn show(&mut self, ui: &mut Ui, offer: &Offer<'_>, language: Language) -> Option<Wanted> {
+        let mut wanted = None;
+        egui::Panel::top("title")
+            .show_separator_line(false)
+            .show(ui, |ui| {
+                ui.add_space(6.0);
+                ui.horizontal(|ui| {
+                    ui.heading("MicroSim");
+                    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                        if ui.button(text::QUIT.of(language)).clicked() {
+                            wanted = Some(Wanted::Quit);
+                        }
+                        if ui.button(text::LANGUAGE.of(language)).clicked() {
+                            wanted = Some(Wanted::Language);
+                        }
+                        self.choose_trainee(ui, offer, language);
+                    });
+                });
+                ui.add_space(4.0);
+            });
+        egui::Panel::left("modules")
+            .exact_size(ui.available_width() * 0.42)
+            .resizable(false)
+            .show(ui, |ui| {
+                ui.label(look::heading(text::CHOOSE_MODULE.of(language)));
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    for (index, module) in offer.catalogue.modules.iter().enumerate() {
+                        if module_card(ui, module, index == self.module, language) {
+                            (self.module, self.level) = (index, 1);
+                        }
+                    }
+                    for complaint in &offer.catalogue.complaints {
+                        ui.label(look::quiet(complaint).color(look::BAD));
+                    }
+                });
+            });
+        egui::CentralPanel::default().show(ui, |ui| {
+            let Some(module) = offer.catalogue.modules.get(self.module) else {
+                return;
+            };
+            ui.label(look::heading(text::LEVELS.of(language)));
+            let levels = ui.available_height() - 60.0;
+            ScrollArea::vertical()
+                .max_height(levels)
+                .auto_shrink([false, false])
+                .show(ui, |ui| {
+                    for level in &module.levels {
+                        let choice = Choice {
+                            module: module.name.clone(),
+                            level: level.number,
+                            trainee: self.trainee.clone(),
+                        };
+                        let locked = (offer.locked)(&choice);
+                        let chosen = level.number == self.level.max(1);
+                        if level_card(ui, level, chosen, locked.as_ref(), language) {
+                            self.level = level.number;
+                        }
+                    }
+                });
+            ui.add_space(8.0);
+            let begin = ui.add(look::main_button(text::BEGIN.of(language)));
+            let enter = ui.input(|input| input.key_pressed(egui::Key::Enter));
+            if (begin.clicked() || enter) && wanted.is_none() {
+                wanted = self.choice(offer.catalogue).map(Wanted::Begin);
+            }
+        });
+        self.choose_by_keys(ui, offer.catalogue);
+        wanted
+    }
+
+    fn choose_trainee(&mut self, ui: &mut Ui, offer: &Offer<'_>, language: Language) {
+        let nobody = text::NOBODY.of(language);
+        match offer.trainees {
+            Err(why) => {
+                ui.label(look::quiet(why).color(look::BAD));
+            }
+            Ok(trainees) => {
+                let chosen = trainees
+                    .iter()
+                    .find(|t| Some(&t.id) == self.trainee.as_ref());
+                let shown = chosen.map_or(nobody, |trainee| &trainee.name);
+                egui::ComboBox::from_id_salt("trainee")
+                    .selected_text(shown)
+                    .width(220.0)
+                    .show_ui(ui, |ui| {
+                        ui.selectable_value(&mut self.trainee, None, nobody);
+                        for trainee in trainees {
+                            let id = Some(trainee.id.clone());
+                            ui.selectable_value(&mut self.trainee, id, &trainee.name);
+                        }
+                    });
+            }
+        }
+        ui.label(text::TRAINEE.of(language));
+    }
+
+    /// Arrows choose: up and down the module, left and right the level.
+    fn choose_by_keys(&mut self, ui: &Ui, catalogue: &Catalogue) {
+        if ui.memory(|memory| memory.focused().is_some()) || catalogue.modules.is_empty() {
+            return;
+        }
+        let pressed = |key| ui.input(|input| input.key_pressed(key));
+        let last = catalogue.modules.len() - 1;
+        let before = self.module;
+        if pressed(egui::Key::ArrowDown) {
+            self.module = (self.module + 1).min(last);
+        }
+        if pressed(egui::Key::ArrowUp) {
+            self.module = self.module.saturating_sub(1);
+        }
+        if self.module != before {
+            self.level = 1;
+        }
+        let levels = catalogue.modules[self.module.min(last)].levels.len() as u32;
+        if pressed(egui::Key::ArrowRight) {
+            self.level = (self.level.max(1) + 1).min(levels);
+        }
+        if pressed(egui::Key::ArrowLeft) {
+            self.level = self.level.saturating_sub(1).max(1);
+        }
+    }
+}
+
+fn module_card(ui: &mut Ui, module: &ModuleEntry, chosen: bool, language: Language) -> bool {
+    let title = local(&module.title, language);
+    let shown = look::card(chosen).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.strong(title);
+        ui.label(look::quiet(local(&module.summary, language)));
+    });
+    is_pressed(ui, &shown.response, title)
+}
+
+fn level_card(
+    ui: &mut Ui,
+    level: &LevelEntry,
+    chosen: bool,
+    locked: Option<&LocalText>,
+    language: Language,
+) -> bool {
+    let title = format!(
+        "{} {}: {}",
+        text::LEVEL.of(language),
+        level.number,
+        local(&level.title, language)
+    );
+    let shown = look::card(chosen).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.horizontal_wrapped(|ui| {
+            ui.strong(&title);
+            if let Some(why) = locked {
+                let locked = format!("{}: {}", text::LOCKED.of(language), local(why, language));
+                ui.label(look::quiet(locked).color(look::BAD));
+            }
+        });
+        ui.label(look::quiet(local(&level.summary, language)));
+        if chosen {
+            let tools = level.tools.iter().map(|tool| local(&tool.title, language));
+            let tools = tools.collect::<Vec<_>>().join(", ");
+            ui.label(look::quiet(format!(
+                "{}: {tools}",
+                text::INSTRUMENTS.of(language)
+            )));
+        }
+    });
+    is_pressed(ui, &shown.response, &title)
+}
+
+/// Whether a card was clicked, or chosen by keyboard.
+fn is_pressed(ui: &Ui, card: &egui::Response, name: &str) -> bool {
+    let response = ui.interact(card.rect, card.id.with(name), Sense::click());
+    response
+        .on_hover_cursor(egui::CursorIcon::PointingHand)
+        .clicked()
+}

@@ -1,0 +1,247 @@
+//! Training: the picture in the middle, the task to its left, the instruments to its right.
+
+use crate::field::Field;
+use crate::hands::Hands;
+use crate::live::{Ended, Live, Snapshot};
+use crate::panels::{Instrument, Task};
+use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
+use crate::text;
+use crate::{look, panels};
+use eframe::egui::{self, Key, Rect, RichText, Sense, TextureId, Ui};
+use microsim_message::{LevelState, ToolStates};
+use microsim_settings::RendererConfig;
+use microsim_vocabulary::Language;
+use std::collections::VecDeque;
+use std::time::Instant;
+
+/// Width of a panel \[points\].
+const PANEL: f32 = 270.0;
+/// Pictures over whose time their rate is measured.
+const RATED: usize = 30;
+
+/// A level that is being trained.
+pub struct Training {
+    /// What it is.
+    pub choice: Choice,
+    module: ModuleEntry,
+    level: LevelEntry,
+    config: RendererConfig,
+    live: Live,
+    hands: Hands,
+    snapshot: Option<Snapshot>,
+    picture: Option<TextureId>,
+    complaint: Option<String>,
+    /// When the last pictures were drawn.
+    drawn: VecDeque<Instant>,
+}
+
+/// What the trainee or operator asked for, or what came of the run.
+pub enum Outcome {
+    /// The run has ended.
+    Ended(Ended),
+    /// From the beginning.
+    Restart,
+}
+
+impl Training {
+    /// Begins a run.
+    ///
+    /// # Errors
+    /// If the system has no thread for it.
+    pub fn begin(
+        choice: Choice,
+        module: &ModuleEntry,
+        level: &LevelEntry,
+        session: Box<dyn LiveSession>,
+        context: &egui::Context,
+    ) -> Result<Self, String> {
+        let config = session.picture().clone();
+        let slots = level.tools.iter().map(|tool| tool.slot.clone());
+        let hands = Hands::new(slots.collect(), *session.desktop(), config.view);
+        let wake = {
+            let context = context.clone();
+            move || context.request_repaint()
+        };
+        Ok(Self {
+            choice,
+            module: module.clone(),
+            level: level.clone(),
+            config,
+            live: Live::start(session, wake)?,
+            hands,
+            snapshot: None,
+            picture: None,
+            complaint: None,
+            drawn: VecDeque::new(),
+        })
+    }
+
+    /// Shows it, and hands on what mouse and keyboard ask for.
+    pub fn show(&mut self, ui: &mut Ui, field: &mut Field, language: Language) -> Option<Outcome> {
+        if let Some(ended) = self.live.ended() {
+            return Some(Outcome::Ended(ended));
+        }
+        if ui.input(|input| input.key_pressed(Key::Escape)) {
+            self.live.pause(!self.live.is_paused());
+        }
+        let newest = self.live.take();
+        let is_new = newest.is_some();
+        self.snapshot = newest.or(self.snapshot.take());
+        self.show_task(ui, language);
+        self.show_instruments(ui, language);
+        let shown = egui::CentralPanel::default()
+            .frame(egui::Frame::NONE.fill(egui::Color32::BLACK))
+            .show(ui, |ui| self.show_picture(ui, field, is_new, language));
+        let picture = shown.inner;
+        match self.live.is_paused() {
+            false => {
+                let wishes = ui.input(|input| self.hands.wishes(input, picture));
+                for wish in wishes {
+                    self.live.wish(wish);
+                }
+                None
+            }
+            true => self.show_pause(ui, picture, language),
+        }
+    }
+
+    fn show_task(&self, ui: &mut Ui, language: Language) {
+        let state = self
+            .snapshot
+            .as_ref()
+            .and_then(Snapshot::latest::<LevelState>);
+        let task = Task {
+            module: &self.module,
+            level: &self.level,
+            state: state.unwrap_or_default(),
+            time: self.snapshot.as_ref().map_or(0.0, |seen| seen.time),
+            events: &self.live.events(),
+        };
+        let panel = egui::Panel::left("task").exact_size(PANEL).resizable(false);
+        panel.show(ui, |ui| task.show(ui, language));
+    }
+
+    fn show_instruments(&self, ui: &mut Ui, language: Language) {
+        let states = self
+            .snapshot
+            .as_ref()
+            .and_then(Snapshot::latest::<ToolStates>);
+        let states = states.unwrap_or_default().tools;
+        let instruments: Vec<Instrument<'_>> = self
+            .level
+            .tools
+            .iter()
+            .enumerate()
+            .map(|(index, tool)| Instrument {
+                tool,
+                state: states.iter().find(|state| state.tool == tool.slot),
+                is_active: index == self.hands.active(),
+                keeps_closed: self.hands.keeps(index),
+            })
+            .collect();
+        let pace = self.live.pace();
+        let panel = egui::Panel::right("instruments")
+            .exact_size(PANEL)
+            .resizable(false);
+        panel.show(ui, |ui| {
+            panels::instruments(ui, &instruments, language);
+            panels::pace(ui, &pace, self.rate(), language);
+        });
+    }
+
+    /// Draws the newest snapshot; gives the place of the picture.
+    fn show_picture(
+        &mut self,
+        ui: &mut Ui,
+        field: &mut Field,
+        is_new: bool,
+        language: Language,
+    ) -> Rect {
+        let place = ui.available_rect_before_wrap();
+        let scale = ui.ctx().pixels_per_point();
+        let size = [place.width(), place.height()].map(|side| (side * scale).round() as u32);
+        if let Some(snapshot) = &self.snapshot
+            && (is_new || self.picture.is_none())
+        {
+            match field.draw(&self.config, snapshot, size) {
+                Ok(picture) => {
+                    self.picture = Some(picture);
+                    self.complaint = None;
+                    self.drawn.push_back(Instant::now());
+                    if self.drawn.len() > RATED {
+                        self.drawn.pop_front();
+                    }
+                }
+                Err(why) => self.complaint = Some(why),
+            }
+        }
+        ui.allocate_rect(place, Sense::hover());
+        let painter = ui.painter_at(place);
+        match self.picture {
+            Some(picture) => {
+                let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+                painter.image(picture, place, all, egui::Color32::WHITE);
+            }
+            None => {
+                let text = text::STARTING.of(language);
+                let font = egui::FontId::proportional(17.0);
+                painter.text(
+                    place.center(),
+                    egui::Align2::CENTER_CENTER,
+                    text,
+                    font,
+                    look::TEXT,
+                );
+            }
+        }
+        if let Some(why) = &self.complaint {
+            let text = format!("{}: {why}", text::NO_PICTURE.of(language));
+            let font = egui::FontId::proportional(15.0);
+            painter.text(
+                place.center_bottom(),
+                egui::Align2::CENTER_BOTTOM,
+                text,
+                font,
+                look::BAD,
+            );
+        }
+        place
+    }
+
+    /// Pictures in a second.
+    fn rate(&self) -> Option<f64> {
+        let (first, last) = (self.drawn.front()?, self.drawn.back()?);
+        let time = last.duration_since(*first).as_secs_f64();
+        (time > 0.0).then(|| (self.drawn.len() - 1) as f64 / time)
+    }
+
+    fn show_pause(&mut self, ui: &mut Ui, picture: Rect, language: Language) -> Option<Outcome> {
+        let mut outcome = None;
+        egui::Area::new(egui::Id::unique("pause"))
+            .pivot(egui::Align2::CENTER_CENTER)
+            .fixed_pos(picture.center())
+            .show(ui.ctx(), |ui| {
+                look::card(true).show(ui, |ui| {
+                    ui.vertical_centered(|ui| {
+                        ui.set_width(280.0);
+                        ui.label(RichText::new(text::PAUSED.of(language)).size(18.0).strong());
+                        ui.add_space(6.0);
+                        if ui
+                            .add(look::main_button(text::RESUME.of(language)))
+                            .clicked()
+                        {
+                            self.live.pause(false);
+                        }
+                        if ui.button(text::RESTART.of(language)).clicked() {
+                            outcome = Some(Outcome::Restart);
+                        }
+                        if ui.button(text::ABORT.of(language)).clicked() {
+                            self.live.abort();
+                            self.live.pause(false);
+                        }
+                    });
+                });
+            });
+        outcome
+    }
+}

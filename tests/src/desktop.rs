@@ -1,0 +1,207 @@
+//! A display without a screen, and a program at it that knows keys, mouse and what it sees: nothing of the window's inside.
+
+use crate::peers::{Peer, done};
+use std::io::{BufRead, BufReader, Cursor};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Debian's packages of what is used here.
+const PACKAGES: [&str; 3] = ["xvfb", "xdotool", "imagemagick"];
+
+/// A virtual display.
+#[derive(Debug)]
+pub struct Display {
+    _server: Peer,
+    name: String,
+}
+
+/// A picture of all of the display.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    /// Width and height \[pixels\].
+    pub size: [usize; 2],
+    /// Red, green, blue of each pixel, row by row.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+/// Pixels of a kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blob {
+    /// How many.
+    pub count: usize,
+    /// Their mean place \[pixels\].
+    pub centre: [f64; 2],
+    /// The uppermost of them \[pixels\].
+    pub top: [f64; 2],
+}
+
+impl Shot {
+    /// The pixels of a part of the picture, from `min` to `max` \[pixels\], that are such; `None` if there is none.
+    pub fn find(
+        &self,
+        [min, max]: [[usize; 2]; 2],
+        is_such: impl Fn([u8; 3]) -> bool,
+    ) -> Option<Blob> {
+        let mut blob: Option<Blob> = None;
+        for y in min[1]..max[1].min(self.size[1]) {
+            for x in min[0]..max[0].min(self.size[0]) {
+                if !is_such(self.pixels[y * self.size[0] + x]) {
+                    continue;
+                }
+                let place = [x as f64, y as f64];
+                let found = blob.get_or_insert(Blob {
+                    count: 0,
+                    centre: [0.0; 2],
+                    top: place,
+                });
+                found.count += 1;
+                for (sum, part) in found.centre.iter_mut().zip(place) {
+                    *sum += part;
+                }
+            }
+        }
+        let mut blob = blob?;
+        blob.centre = blob.centre.map(|sum| sum / blob.count as f64);
+        Some(blob)
+    }
+}
+
+impl Display {
+    /// Opens a display of 1280 × 720 pixels; what it needs is installed if it can be.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn open() -> Result<Self, String> {
+        let is_there = |program: &str| done(Command::new("which").arg(program)).is_ok();
+        if !["Xvfb", "xdotool", "import"].into_iter().all(is_there) {
+            let mut install = Command::new("apt-get");
+            install.args(["install", "-y", "-q"]).args(PACKAGES);
+            install.env("DEBIAN_FRONTEND", "noninteractive");
+            done(&mut install)?;
+        }
+        let mut server = Command::new("Xvfb");
+        server.args([
+            "-displayfd",
+            "1",
+            "-screen",
+            "0",
+            "1280x720x24",
+            "-nolisten",
+            "tcp",
+        ]);
+        let server = server.stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+        let mut server = Peer(server.map_err(|e| format!("Xvfb: {e}"))?);
+        let output = server.0.stdout.take().ok_or("Xvfb has no output")?;
+        let mut number = String::new();
+        let read = BufReader::new(output).read_line(&mut number);
+        read.map_err(|e| format!("Xvfb: {e}"))?;
+        match number.trim() {
+            "" => Err("Xvfb did not start".into()),
+            number => Ok(Self {
+                _server: server,
+                name: format!(":{number}"),
+            }),
+        }
+    }
+
+    /// Its name, for `DISPLAY`.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn xdotool(&self, arguments: &[&str]) {
+        let mut command = Command::new("xdotool");
+        command.args(arguments).env("DISPLAY", &self.name);
+        done(&mut command).unwrap_or_else(|e| panic!("xdotool {arguments:?}: {e}"));
+    }
+
+    /// Presses a key, as X11 calls it.
+    pub fn key(&self, key: &str) {
+        self.xdotool(&["key", key]);
+    }
+
+    /// Puts the pointer somewhere \[pixels\].
+    pub fn point(&self, [x, y]: [i32; 2]) {
+        self.xdotool(&["mousemove", &x.to_string(), &y.to_string()]);
+    }
+
+    /// Moves the pointer by this much in so many steps, one in 30 ms.
+    pub fn drag(&self, by: [f64; 2], steps: u32) {
+        let mut done = [0; 2];
+        for step in 1..=steps {
+            let part = f64::from(step) / f64::from(steps);
+            let to = by.map(|by| (by * part).round() as i32);
+            let [dx, dy] = [to[0] - done[0], to[1] - done[1]].map(|d| d.to_string());
+            self.xdotool(&["mousemove_relative", "--", &dx, &dy]);
+            done = to;
+            std::thread::sleep(Duration::from_millis(30));
+        }
+    }
+
+    /// Presses a button, or releases it: 1 left, 3 right, 4 and 5 the wheel away from the hand and back.
+    pub fn button(&self, button: u8, is_pressed: bool) {
+        let action = if is_pressed { "mousedown" } else { "mouseup" };
+        self.xdotool(&[action, &button.to_string()]);
+    }
+
+    /// A picture of it.
+    ///
+    /// # Panics
+    /// If none can be taken.
+    pub fn shot(&self) -> Shot {
+        let mut command = Command::new("import");
+        command
+            .args(["-window", "root", "png:-"])
+            .env("DISPLAY", &self.name);
+        let output = command.output().expect("import runs");
+        let mut decoder = png::Decoder::new(Cursor::new(output.stdout));
+        decoder.set_transformations(png::Transformations::normalize_to_color8());
+        let mut reader = decoder.read_info().expect("a PNG file");
+        let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut bytes).expect("a picture");
+        let samples = info.color_type.samples();
+        let pixel = |c: &[u8]| match samples {
+            1 | 2 => [c[0]; 3],
+            _ => [c[0], c[1], c[2]],
+        };
+        Shot {
+            size: [info.width as usize, info.height as usize],
+            pixels: bytes[..info.buffer_size()]
+                .chunks_exact(samples)
+                .map(pixel)
+                .collect(),
+        }
+    }
+
+    /// Keeps this picture for people.
+    pub fn keep(&self, file: &Path) {
+        let mut command = Command::new("import");
+        command
+            .args(["-window", "root"])
+            .arg(file)
+            .env("DISPLAY", &self.name);
+        done(&mut command).expect("a picture");
+    }
+
+    /// Looks at the display until something is there, for at most so long.
+    ///
+    /// # Panics
+    /// If it does not come.
+    pub fn wait_for<T>(
+        &self,
+        what: &str,
+        most: Duration,
+        seen: impl Fn(&Shot) -> Option<T>,
+    ) -> (Shot, T) {
+        let start = Instant::now();
+        loop {
+            let shot = self.shot();
+            if let Some(found) = seen(&shot) {
+                return (shot, found);
+            }
+            assert!(start.elapsed() < most, "not seen within {most:?}: {what}");
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! The window, used from outside: keys, mouse and what is seen on a display without a screen.
+
+use microsim_tests::desktop::{Blob, Display, Shot};
+use microsim_tests::peers::{Peer, or_skipped};
+use microsim_tests::{command, finish, microsim, program};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The part of the display that shows the field: panels of 270 pixels stand at both sides.
+const FIELD: [[usize; 2]; 2] = [[275, 0], [1005, 720]];
+/// Pixels per millimetre of a field of 25 mm that is 720 pixels high, and the cosine of its tilt of 50°.
+const SCALE: f64 = 720.0 / 25.0;
+const FORESHORTENING: f64 = 0.643;
+
+/// The orange of a mark (0.85, 0.4, 0.05 and lit from above).
+fn is_mark([r, g, b]: [u8; 3]) -> bool {
+    r > 150 && (60..190).contains(&g) && b < 70 && i16::from(r) - i16::from(g) > 60
+}
+
+/// The blue of the scissors.
+fn is_scissors([r, g, b]: [u8; 3]) -> bool {
+    b > 110 && i16::from(b) - i16::from(r) > 50 && i16::from(b) - i16::from(g) > 30
+}
+
+/// The green of a verdict.
+fn is_passed([r, g, b]: [u8; 3]) -> bool {
+    r < 90 && g > 180 && (130..190).contains(&b)
+}
+
+fn window(display: &Display, data: &Path, arguments: &[&str]) -> Peer {
+    let mut program = Command::new(program());
+    program
+        .args(arguments)
+        .env("DISPLAY", display.name())
+        .env("MICROSIM_DATA", data);
+    program.env("XDG_RUNTIME_DIR", data);
+    program.stdout(Stdio::null()).stderr(Stdio::null());
+    Peer(program.spawn().expect("the program starts"))
+}
+
+fn some(blob: Option<Blob>, least: usize) -> Option<Blob> {
+    blob.filter(|blob| blob.count >= least)
+}
+
+/// The one file of a kind in a folder, once it is there.
+fn the_file(folder: &Path, extension: &str, most: Duration) -> PathBuf {
+    let start = Instant::now();
+    loop {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut files = entries
+            .map(|e| e.path())
+            .filter(|p| p.extension().is_some_and(|e| e == extension));
+        if let Some(file) = files.next() {
+            return file;
+        }
+        assert!(
+            start.elapsed() < most,
+            "no .{extension} in {} within {most:?}",
+            folder.display()
+        );
+        std::thread::sleep(Duration::from_millis(100));
+    }
+}
+
+/// Whoever sees the launcher, the mark and the scissors, and has read the help beside the picture, passes "One cut". The session replays to the bit.
+#[test]
+fn coordination_level_2_is_passed_by_mouse_and_keyboard() {
+    let Some(display) = or_skipped("a display without a screen", Display::open()) else {
+        return;
+    };
+    let pictures = &microsim(["doctor", "--json"]).json()["pictures"];
+    if pictures["on"] != true {
+        eprintln!("SKIPPED: {}", pictures["why"]);
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let data = folder.path().join("data");
+    std::fs::create_dir(&data).expect("a folder");
+    let _window = window(&display, &data, &["window", "--size", "1280x720"]);
+
+    // The launcher has come once there is text on it; the first module is chosen, the arrow chooses its second level.
+    let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
+    let text = |shot: &Shot| some(shot.find([[0, 0], [500, 700]], is_text), 500);
+    display.wait_for("the launcher", Duration::from_secs(60), text);
+    display.point([900, 640]);
+    display.key("Right");
+    display.key("Return");
+
+    let mark = |shot: &Shot| some(shot.find(FIELD, is_mark), 60);
+    let (shot, mark) = display.wait_for("the mark", Duration::from_secs(60), mark);
+    assert!(
+        some(shot.find(FIELD, is_scissors), 100).is_some(),
+        "the scissors are there"
+    );
+
+    // As high as the tissue: 2 mm, eight notches of a hundredth of the field. Straight towards the mark: 20°, at 0.006 rad a pixel.
+    for _ in 0..8 {
+        display.button(4, true);
+        display.button(4, false);
+    }
+    display.button(3, true);
+    display.drag([-20_f64.to_radians() / 0.006, 0.0], 12);
+    display.button(3, false);
+    std::thread::sleep(Duration::from_millis(700));
+
+    // Beneath the mark, then forward until the tips are 1.3 mm behind the middle of the tissue. Two blades are seen, the upper one further up by half of what they are open: 20° over
+    // 8 mm from the hinge, seen under the tilt.
+    let tips = |display: &Display| {
+        let shot = display.shot();
+        let blob = some(shot.find(FIELD, is_scissors), 100).expect("the scissors are in the field");
+        let blade = 8.0 * 10_f64.to_radians().sin() * 0.766 * SCALE;
+        [blob.top[0], blob.top[1] + blade]
+    };
+    for steps in [25, 12] {
+        let [x, y] = tips(&display);
+        let behind = 1.3 * FORESHORTENING * SCALE;
+        // What is seen of the mark lies 0.3 mm above the middle.
+        let middle = mark.centre[1] + 0.3 * 0.766 * SCALE;
+        display.drag([mark.centre[0] - x, 0.0], steps);
+        display.drag([0.0, middle - behind - y], 2 * steps);
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    display.button(1, true);
+    std::thread::sleep(Duration::from_millis(1500));
+    display.button(1, false);
+
+    let sessions = data.join("sessions");
+    let report = the_file(&sessions, "json", Duration::from_secs(90));
+    let passed = |shot: &Shot| some(shot.find([[0, 0], [640, 60]], is_passed), 200);
+    let seen = display.wait_for("the verdict", Duration::from_secs(60), |shot| {
+        passed(shot).or_else(|| {
+            some(
+                shot.find([[0, 0], [640, 60]], |[r, g, b]| {
+                    r > 200 && (120..180).contains(&g) && b < 100
+                }),
+                200,
+            )
+        })
+    });
+    let report: Value =
+        serde_json::from_slice(&std::fs::read(report).expect("read")).expect("JSON");
+    assert_eq!(report["verdict"], "passed", "{}", report["reasons"]);
+    assert!(passed(&seen.0).is_some(), "the verdict is on the screen");
+    let solver = &report["solver"];
+    assert_eq!(solver["held"], 0, "{solver}");
+
+    let session = the_file(&sessions, "session", Duration::from_secs(1));
+    for threads in ["1", "2"] {
+        let mut replay = command(["replay", "--verify", "--threads", threads]);
+        finish(replay.arg(&session)).expect(0);
+    }
+}
+
+/// Where there is no display: one sentence, exit status 2, and everything else goes on working.
+#[test]
+fn without_a_display_one_sentence_says_what_is_missing() {
+    for arguments in [&["window"][..], &[]] {
+        let mut program = command(arguments);
+        let finished = finish(program.env_remove("DISPLAY")).expect(2);
+        assert_eq!(finished.err.trim().lines().count(), 1, "{finished:?}");
+        assert!(finished.err.contains("no display"), "{finished:?}");
+    }
+}
