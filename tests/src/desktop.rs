@@ -116,6 +116,11 @@ impl Display {
         done(&mut command).unwrap_or_else(|e| panic!("xdotool {arguments:?}: {e}"));
     }
 
+    /// Gives the window of this title the keyboard, as a window manager would.
+    pub fn focus(&self, title: &str) {
+        self.xdotool(&["search", "--sync", "--onlyvisible", "--name", title, "windowfocus", "--sync"]);
+    }
+
     /// Presses a key, as X11 calls it.
     pub fn key(&self, key: &str) {
         self.xdotool(&["key", key]);
@@ -200,7 +205,11 @@ impl Display {
             if let Some(found) = seen(&shot) {
                 return (shot, found);
             }
-            assert!(start.elapsed() < most, "not seen within {most:?}: {what}");
+            if start.elapsed() > most {
+                let file = std::env::temp_dir().join(format!("{}.png", what.replace(' ', "-")));
+                self.keep(&file);
+                panic!("not seen within {most:?}: {what}; what was seen: {}", file.display());
+            }
             std::thread::sleep(Duration::from_millis(100));
         }
     }

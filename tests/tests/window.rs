@@ -84,16 +84,20 @@ fn coordination_level_2_is_passed_by_mouse_and_keyboard() {
     let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
     let text = |shot: &Shot| some(shot.find([[0, 0], [500, 700]], is_text), 500);
     display.wait_for("the launcher", Duration::from_secs(60), text);
+    display.focus("MicroSim");
     display.point([900, 640]);
     display.key("Right");
     display.key("Return");
 
+    // Nothing moves before it is begun.
     let mark = |shot: &Shot| some(shot.find(FIELD, is_mark), 60);
     let (shot, mark) = display.wait_for("the mark", Duration::from_secs(60), mark);
     assert!(
         some(shot.find(FIELD, is_scissors), 100).is_some(),
         "the scissors are there"
     );
+    display.key("Return");
+    std::thread::sleep(Duration::from_millis(500));
 
     // As high as the tissue: 2 mm, eight notches of a hundredth of the field. Straight towards the mark: 20°, at 0.006 rad a pixel.
     for _ in 0..8 {

@@ -55,6 +55,7 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     let station = AtThisPlace {
         place: place.clone(),
         installation,
+        input: args.input.clone(),
     };
     microsim_window::open(Box::new(station), opening)?;
     Ok(Exit::Done)
@@ -71,6 +72,7 @@ fn settings_language(is_german: bool) -> microsim_report::Language {
 struct AtThisPlace {
     place: Place,
     installation: Installation,
+    input: Input,
 }
 
 impl AtThisPlace {
@@ -173,7 +175,7 @@ impl Station for AtThisPlace {
                 &Request {
                     module: choice.module.clone(),
                     level: choice.level,
-                    input: Input::Desktop,
+                    input: self.input.clone(),
                     seed: 1,
                     without: Vec::new(),
                     pictures: false,
@@ -189,7 +191,10 @@ impl Station for AtThisPlace {
                 no_store: false,
             };
             Ok::<_, Problem>(LevelAtDesk {
-                desktop: desktop(&plan)?,
+                desktop: match self.input {
+                    Input::Desktop => Some(desktop(&plan)?),
+                    _ => None,
+                },
                 record: RunRecord::begin(&self.place, &attempt, &session)?,
                 place: self.place.clone(),
                 realtime: Realtime {
@@ -243,7 +248,7 @@ struct LevelAtDesk {
     realtime: Realtime,
     language: microsim_report::Language,
     picture: RendererConfig,
-    desktop: Desktop,
+    desktop: Option<Desktop>,
 }
 
 impl LiveSession for LevelAtDesk {
@@ -251,8 +256,8 @@ impl LiveSession for LevelAtDesk {
         &self.picture
     }
 
-    fn desktop(&self) -> &Desktop {
-        &self.desktop
+    fn desktop(&self) -> Option<&Desktop> {
+        self.desktop.as_ref()
     }
 
     fn run(

@@ -12,6 +12,7 @@
 
 mod input;
 mod level;
+mod microscope;
 mod object;
 mod pose;
 mod setup;
@@ -28,6 +29,7 @@ pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,
 };
+pub use microscope::{MAGNIFIED_FIELD, MicroscopeView};
 pub use microsim_vocabulary::{Finish, LocalText, MotionLimit, ToolStatus};
 pub use object::{Colour, ObjectScene, ObjectSet, ObjectState, Shape};
 pub use pose::Pose;
@@ -65,6 +67,7 @@ pub fn core_kinds() -> Vec<KindInfo> {
         wire::info::<InputSample>(),
         wire::info::<InputEnd>(),
         wire::info::<DesktopInput>(),
+        wire::info::<MicroscopeView>(),
         wire::info::<ImplausibleSample>(),
         wire::info::<InputTiming>(),
         wire::info::<MarkerTracking>(),

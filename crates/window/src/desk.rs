@@ -227,6 +227,7 @@ impl eframe::App for Desk {
             Screen::Complaint(_) => self.show_complaint(ui),
             Screen::Training(training) => match training.show(ui, &mut self.field, self.language) {
                 None => {}
+                Some(Outcome::Back) => self.screen = Screen::Launcher,
                 Some(Outcome::Restart) => {
                     let (choice, context) = (training.choice.clone(), ui.ctx().clone());
                     self.begin(choice, &context);

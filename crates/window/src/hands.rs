@@ -67,6 +67,11 @@ impl Hands {
         self.keeps.get(tool).copied().unwrap_or_default()
     }
 
+    /// What the microscope shows now.
+    pub fn look(&mut self, view: View) {
+        self.view = view;
+    }
+
     fn wish(&self, tool: usize) -> DesktopInput {
         DesktopInput {
             tool: self.tools[tool].clone(),

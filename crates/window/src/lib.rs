@@ -7,6 +7,7 @@
 //! - `live`: a run in a thread of its own, paced by the wall clock. The window takes the newest finished snapshot; nothing in the run depends on
 //!   whether and when it is drawn.
 //! - `hands`: mouse and keyboard as wishes for the tools.
+//! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture.
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`.
 //! - `look`: colours and sizes; `text`: all texts.
@@ -24,6 +25,7 @@ mod live;
 mod look;
 mod panels;
 mod plot;
+mod scope;
 mod station;
 #[cfg(test)]
 mod tests;

@@ -5,8 +5,8 @@ use crate::station::{Debrief, LiveSession};
 use microsim_bus::{Block, BlockView, Frames, kind_id};
 use microsim_host::run::{Operator, Seen};
 use microsim_message::{
-    DesktopInput, LevelEvent, LevelState, Message, ObjectScene, SolverTick, TISSUE_SNAPSHOT,
-    ToolPlacements, ToolStates, decode, push,
+    DesktopInput, LevelEvent, LevelState, Message, MicroscopeView, ObjectScene, SolverTick,
+    TISSUE_SNAPSHOT, ToolPlacements, ToolStates, decode, push,
 };
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,10 +73,13 @@ pub type Ended = Result<Debrief, String>;
 #[derive(Default)]
 struct Exchange {
     wishes: Mutex<Vec<DesktopInput>>,
+    view: Mutex<Option<MicroscopeView>>,
     latest: Mutex<Option<Snapshot>>,
     pace: Mutex<Pace>,
     events: Mutex<Vec<LevelEvent>>,
+    /// From the beginning: the first tick is computed, so that there is something to see.
     is_paused: AtomicBool,
+    has_first_tick: AtomicBool,
     stop: AtomicBool,
 }
 
@@ -92,7 +95,7 @@ pub struct Live {
 }
 
 impl Live {
-    /// Starts it; `wake` is called whenever there is something new to draw.
+    /// Starts it, paused after its first tick; `wake` is called whenever there is something new to draw.
     ///
     /// # Errors
     /// If the system has no thread for it.
@@ -100,7 +103,10 @@ impl Live {
         mut session: Box<dyn LiveSession>,
         wake: impl Fn() + Send + 'static,
     ) -> Result<Self, String> {
-        let exchange = Arc::new(Exchange::default());
+        let exchange = Arc::new(Exchange {
+            is_paused: AtomicBool::new(true),
+            ..Exchange::default()
+        });
         let seat = Arc::clone(&exchange);
         let run = move || {
             let mut operator = Seat {
@@ -151,6 +157,11 @@ impl Live {
                 earlier.opening = wish.opening.or(earlier.opening);
             }
         }
+    }
+
+    /// Records how the microscope is set, with the next tick.
+    pub fn look(&self, view: MicroscopeView) {
+        *lock(&self.exchange.view) = Some(view);
     }
 
     /// Whether it pauses.
@@ -214,10 +225,15 @@ impl Operator for Seat<'_> {
         for wish in lock(&self.exchange.wishes).drain(..) {
             push(frames, &wish);
         }
+        if let Some(view) = lock(&self.exchange.view).take() {
+            push(frames, &view);
+        }
     }
 
     fn is_paused(&self) -> bool {
-        self.exchange.is_paused.load(Ordering::Relaxed)
+        let exchange = self.exchange;
+        exchange.has_first_tick.load(Ordering::Relaxed)
+            && exchange.is_paused.load(Ordering::Relaxed)
     }
 
     fn see(&mut self, seen: Seen<'_>) {
@@ -246,6 +262,7 @@ impl Operator for Seat<'_> {
                 pace.held += u64::from(!solver.valid);
             }
         }
+        self.exchange.has_first_tick.store(true, Ordering::Relaxed);
         *lock(&self.exchange.latest) = Some(Snapshot {
             tick: seen.tick,
             time: seen.time,

@@ -88,7 +88,7 @@ fn status(status: ToolStatus) -> Phrase {
     }
 }
 
-/// Shows the instruments, and how they are moved.
+/// Shows the instruments.
 pub fn instruments(ui: &mut Ui, instruments: &[Instrument<'_>], language: Language) {
     ui.add_space(8.0);
     ui.label(look::heading(text::INSTRUMENTS.of(language)));
@@ -117,7 +117,21 @@ pub fn instruments(ui: &mut Ui, instruments: &[Instrument<'_>], language: Langua
             }
         });
     }
-    ui.add_space(6.0);
+}
+
+/// Shows how the microscope is set.
+pub fn scope(ui: &mut Ui, magnification: f64, language: Language) {
+    let magnification = number(magnification, 1, language);
+    ui.label(look::quiet(format!(
+        "{} ×{magnification}",
+        text::MICROSCOPE.of(language)
+    )));
+}
+
+/// Shows how mouse and keyboard move them.
+pub fn help(ui: &mut Ui, language: Language) {
+    ui.add_space(4.0);
+    ui.spacing_mut().item_spacing.y = 1.0;
     for help in [text::MOUSE, text::KEYS] {
         for line in help.of(language).split(" · ") {
             ui.label(look::quiet(line));

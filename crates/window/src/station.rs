@@ -85,7 +85,7 @@ pub trait Station {
     /// Whether a level is not open to a trainee yet, and why.
     fn locked(&self, choice: &Choice) -> Option<LocalText>;
 
-    /// A recorded run of a level that mouse and keyboard play.
+    /// A recorded run of a level.
     ///
     /// # Errors
     /// Why it cannot begin.
@@ -97,8 +97,8 @@ pub trait LiveSession: Send {
     /// What is seen of it, and how.
     fn picture(&self) -> &RendererConfig;
 
-    /// How mouse and keyboard move the tools.
-    fn desktop(&self) -> &Desktop;
+    /// How mouse and keyboard move the tools; `None` where something else does.
+    fn desktop(&self) -> Option<&Desktop>;
 
     /// Runs it to its end. Called once.
     ///

@@ -202,6 +202,18 @@ fn the_launcher_is_used_by_keyboard() {
     assert_eq!(wanted, Some(Wanted::Begin(choice)));
 }
 
+/// What does not scroll ends above the lower edge.
+fn check_height(what: &str, size: [f32; 2], texts: &[(String, Rect, Rect)]) {
+    let lowest = texts
+        .iter()
+        .max_by(|a, b| a.1.bottom().total_cmp(&b.1.bottom()));
+    let (text, place, _) = lowest.expect("texts");
+    assert!(
+        place.bottom() <= size[1],
+        "{what}, {size:?}: {text:?} at {place:?}"
+    );
+}
+
 #[test]
 fn the_panels_beside_the_picture_have_room_for_their_texts() {
     let catalogue = catalogue();
@@ -219,7 +231,7 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
         pose: Pose::default(),
         opening: 0.8,
     };
-    everywhere("panels", |ui, language| {
+    let show = |ui: &mut Ui, language: Language| {
         let task = Task {
             module,
             level,
@@ -245,9 +257,21 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
             .exact_size(270.0)
             .show(ui, |ui| {
                 panels::instruments(ui, &[instrument(0), instrument(1)], language);
+                panels::scope(ui, 8.0, language);
+                panels::help(ui, language);
                 panels::pace(ui, &Pace::default(), Some(24.0), language);
             });
-    });
+    };
+    everywhere("panels", show);
+    for language in LANGUAGES {
+        for size in SIZES {
+            check_height(
+                "panels",
+                size,
+                &texts(size, Vec::new(), |ui| show(ui, language)),
+            );
+        }
+    }
 }
 
 #[test]

@@ -63,6 +63,8 @@ phrases! {
     TIME: "Zeit", "Time";
     TARGETS: "Ziele", "Targets";
     STARTING: "Das Gewebe wird vorbereitet …", "The tissue is being prepared …";
+    MICROSCOPE: "Mikroskop", "Microscope";
+    START: "Los", "Start";
     PAUSED: "Pause – die Zeit steht", "Paused – time stands";
     RESUME: "Weiter", "Resume";
     RESTART: "Neu beginnen", "Restart";
@@ -76,7 +78,7 @@ phrases! {
     STALE: "veraltet", "stale";
     NEVER_SEEN: "nie gesehen", "never seen";
     MOUSE: "Maus: Spitze bewegen · Rad: heben, senken · links: schließen · rechts ziehen: drehen", "Mouse: move the tip · wheel: raise, lower · left: close · drag right: turn";
-    KEYS: "Tab: andere Hand · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · Esc: Pause", "Tab: other hand · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · Esc: pause";
+    KEYS: "Tab: andere Hand · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · +, −, 0: Vergrößerung · I, J, K, L: Bild verschieben · Esc: Pause", "Tab: other hand · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · +, −, 0: magnification · I, J, K, L: move the view · Esc: pause";
     SPEED_OF_RUN: "Rechner", "Computer";
     TICK: "Tick", "tick";
     PICTURES: "Bilder/s", "pictures/s";

@@ -4,6 +4,7 @@ use crate::field::Field;
 use crate::hands::Hands;
 use crate::live::{Ended, Live, Snapshot};
 use crate::panels::{Instrument, Task};
+use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
 use crate::text;
 use crate::{look, panels};
@@ -27,7 +28,11 @@ pub struct Training {
     level: LevelEntry,
     config: RendererConfig,
     live: Live,
-    hands: Hands,
+    scope: Scope,
+    /// `None` where a tracker, a script or a recording moves the tools.
+    hands: Option<Hands>,
+    /// Whether the trainee has begun: before, the level lies there as it is after its first tick.
+    has_begun: bool,
     snapshot: Option<Snapshot>,
     picture: Option<TextureId>,
     complaint: Option<String>,
@@ -41,6 +46,8 @@ pub enum Outcome {
     Ended(Ended),
     /// From the beginning.
     Restart,
+    /// To the modules.
+    Back,
 }
 
 impl Training {
@@ -57,7 +64,8 @@ impl Training {
     ) -> Result<Self, String> {
         let config = session.picture().clone();
         let slots = level.tools.iter().map(|tool| tool.slot.clone());
-        let hands = Hands::new(slots.collect(), *session.desktop(), config.view);
+        let hands = session.desktop();
+        let hands = hands.map(|desktop| Hands::new(slots.collect(), *desktop, config.view));
         let wake = {
             let context = context.clone();
             move || context.request_repaint()
@@ -66,9 +74,11 @@ impl Training {
             choice,
             module: module.clone(),
             level: level.clone(),
+            scope: Scope::new(config.view),
             config,
             live: Live::start(session, wake)?,
             hands,
+            has_begun: false,
             snapshot: None,
             picture: None,
             complaint: None,
@@ -81,7 +91,7 @@ impl Training {
         if let Some(ended) = self.live.ended() {
             return Some(Outcome::Ended(ended));
         }
-        if ui.input(|input| input.key_pressed(Key::Escape)) {
+        if self.has_begun && ui.input(|input| input.key_pressed(Key::Escape)) {
             self.live.pause(!self.live.is_paused());
         }
         let newest = self.live.take();
@@ -93,16 +103,24 @@ impl Training {
             .frame(egui::Frame::NONE.fill(egui::Color32::BLACK))
             .show(ui, |ui| self.show_picture(ui, field, is_new, language));
         let picture = shown.inner;
-        match self.live.is_paused() {
-            false => {
-                let wishes = ui.input(|input| self.hands.wishes(input, picture));
-                for wish in wishes {
-                    self.live.wish(wish);
-                }
-                None
-            }
-            true => self.show_pause(ui, picture, language),
+        if !self.has_begun {
+            return self.show_introduction(ui, picture, language);
         }
+        if self.live.is_paused() {
+            return self.show_pause(ui, picture, language);
+        }
+        if let Some(view) = ui.input(|input| self.scope.set(input)) {
+            self.live.look(view);
+            self.config.view = self.scope.view();
+            // The picture is drawn again, whether or not anything moves.
+            self.picture = None;
+        }
+        if let Some(hands) = &mut self.hands {
+            hands.look(self.scope.view());
+            let wishes = ui.input(|input| hands.wishes(input, picture));
+            wishes.into_iter().for_each(|wish| self.live.wish(wish));
+        }
+        None
     }
 
     fn show_task(&self, ui: &mut Ui, language: Language) {
@@ -127,6 +145,7 @@ impl Training {
             .as_ref()
             .and_then(Snapshot::latest::<ToolStates>);
         let states = states.unwrap_or_default().tools;
+        let hands = self.hands.as_ref();
         let instruments: Vec<Instrument<'_>> = self
             .level
             .tools
@@ -135,8 +154,8 @@ impl Training {
             .map(|(index, tool)| Instrument {
                 tool,
                 state: states.iter().find(|state| state.tool == tool.slot),
-                is_active: index == self.hands.active(),
-                keeps_closed: self.hands.keeps(index),
+                is_active: hands.is_some_and(|hands| index == hands.active()),
+                keeps_closed: hands.is_some_and(|hands| hands.keeps(index)),
             })
             .collect();
         let pace = self.live.pace();
@@ -145,6 +164,10 @@ impl Training {
             .resizable(false);
         panel.show(ui, |ui| {
             panels::instruments(ui, &instruments, language);
+            panels::scope(ui, self.scope.magnification(), language);
+            if hands.is_some() {
+                panels::help(ui, language);
+            }
             panels::pace(ui, &pace, self.rate(), language);
         });
     }
@@ -215,33 +238,66 @@ impl Training {
         (time > 0.0).then(|| (self.drawn.len() - 1) as f64 / time)
     }
 
-    fn show_pause(&mut self, ui: &mut Ui, picture: Rect, language: Language) -> Option<Outcome> {
+    /// The level as it lies there, and what it asks for; nothing moves before the trainee begins.
+    fn show_introduction(
+        &mut self,
+        ui: &mut Ui,
+        picture: Rect,
+        language: Language,
+    ) -> Option<Outcome> {
+        self.snapshot.as_ref()?;
         let mut outcome = None;
-        egui::Area::new(egui::Id::unique("pause"))
-            .pivot(egui::Align2::CENTER_CENTER)
-            .fixed_pos(picture.center())
-            .show(ui.ctx(), |ui| {
-                look::card(true).show(ui, |ui| {
-                    ui.vertical_centered(|ui| {
-                        ui.set_width(280.0);
-                        ui.label(RichText::new(text::PAUSED.of(language)).size(18.0).strong());
-                        ui.add_space(6.0);
-                        if ui
-                            .add(look::main_button(text::RESUME.of(language)))
-                            .clicked()
-                        {
-                            self.live.pause(false);
-                        }
-                        if ui.button(text::RESTART.of(language)).clicked() {
-                            outcome = Some(Outcome::Restart);
-                        }
-                        if ui.button(text::ABORT.of(language)).clicked() {
-                            self.live.abort();
-                            self.live.pause(false);
-                        }
-                    });
-                });
-            });
+        overlay(ui, "introduction", picture, |ui| {
+            let title = text::local(&self.level.title, language);
+            ui.label(RichText::new(title).size(18.0).strong());
+            ui.label(text::local(&self.level.summary, language));
+            ui.add_space(6.0);
+            let begin = ui.add(look::main_button(text::START.of(language)));
+            let enter = ui.input(|input| input.key_pressed(Key::Enter));
+            if begin.clicked() || enter {
+                self.has_begun = true;
+                self.live.pause(false);
+            }
+            if ui.button(text::BACK.of(language)).clicked() {
+                outcome = Some(Outcome::Back);
+            }
+        });
         outcome
     }
+
+    fn show_pause(&mut self, ui: &mut Ui, picture: Rect, language: Language) -> Option<Outcome> {
+        let mut outcome = None;
+        overlay(ui, "pause", picture, |ui| {
+            ui.label(RichText::new(text::PAUSED.of(language)).size(18.0).strong());
+            ui.add_space(6.0);
+            if ui
+                .add(look::main_button(text::RESUME.of(language)))
+                .clicked()
+            {
+                self.live.pause(false);
+            }
+            if ui.button(text::RESTART.of(language)).clicked() {
+                outcome = Some(Outcome::Restart);
+            }
+            if ui.button(text::ABORT.of(language)).clicked() {
+                self.live.abort();
+                self.live.pause(false);
+            }
+        });
+        outcome
+    }
+}
+
+/// A card in the lower part of the picture, which leaves the tissue free.
+fn overlay(ui: &Ui, name: &str, picture: Rect, show: impl FnOnce(&mut Ui)) {
+    let place = egui::pos2(picture.center().x, picture.top() + 0.72 * picture.height());
+    egui::Area::new(egui::Id::unique(name))
+        .pivot(egui::Align2::CENTER_CENTER)
+        .fixed_pos(place)
+        .show(ui.ctx(), |ui| {
+            look::card(true).show(ui, |ui| {
+                ui.set_width(340.0);
+                ui.vertical_centered(show);
+            });
+        });
 }

@@ -1,7 +1,8 @@
 //! The window.
 
-use super::value::parse_level;
+use super::value::{parse_input, parse_level};
 use clap::Args;
+use microsim_host::assemble::Input;
 
 /// Smallest window that has room for all of a screen.
 const LEAST: [f32; 2] = [1000.0, 640.0];
@@ -10,6 +11,7 @@ const LEAST: [f32; 2] = [1000.0, 640.0];
 #[command(after_help = "Examples:
   microsim window
   microsim window coordination --level 2 --trainee \"A. Muster\" --lang de
+  microsim window coordination --level 4 --input script:level4-pass.toml
 
 Mouse and keyboard move the instruments (config/desktop.toml). A run is recorded as every other, replays to the bit, and enters the store.")]
 pub struct WindowArgs {
@@ -21,6 +23,9 @@ pub struct WindowArgs {
     /// Who trains: name or id of a trainee in the store
     #[arg(long, value_name = "NAME")]
     pub trainee: Option<String>,
+    /// What moves the instruments: desktop (mouse and keyboard), openigtlink://HOST:PORT (a tracker), script:FILE, recording:FILE or plugin:NAME
+    #[arg(long, value_name = "SOURCE", default_value = "desktop", value_parser = parse_window_input)]
+    pub input: Input,
     /// Language of all texts [default: `report.language` of config/host.toml]
     #[arg(long, value_name = "LANGUAGE", value_parser = ["de", "en"])]
     pub lang: Option<String>,
@@ -35,9 +40,17 @@ impl Default for WindowArgs {
             module: None,
             level: 1,
             trainee: None,
+            input: Input::Desktop,
             lang: None,
             size: [1280.0, 720.0],
         }
+    }
+}
+
+fn parse_window_input(text: &str) -> Result<Input, String> {
+    match text {
+        "desktop" => Ok(Input::Desktop),
+        text => parse_input(text).map_err(|problem| format!("{problem}, or desktop")),
     }
 }
 

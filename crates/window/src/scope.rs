@@ -1,0 +1,115 @@
+//! The microscope: magnification and the place in the middle, by keys.
+
+use eframe::egui::{Event, InputState, Key};
+use microsim_message::{MAGNIFIED_FIELD, MicroscopeView};
+use microsim_settings::View;
+
+/// Least and most magnification of surgical microscopes (DOMAIN, section 2).
+const RANGE: [f64; 2] = [4.0, 40.0];
+/// What a press of a key multiplies the magnification with.
+const STEP: f64 = 1.25;
+/// What a press of a key shifts the middle by, in diameters of the field.
+const SHIFT: f64 = 0.05;
+/// Keys that shift the middle: key, axis of the field, direction.
+const SHIFTS: [(Key, usize, f64); 4] = [
+    (Key::L, 0, 1.0),
+    (Key::J, 0, -1.0),
+    (Key::I, 1, 1.0),
+    (Key::K, 1, -1.0),
+];
+
+/// The microscope over a level.
+#[derive(Clone, Copy, Debug)]
+pub struct Scope {
+    of_level: View,
+    view: View,
+}
+
+impl Scope {
+    /// As the level sets it.
+    pub fn new(of_level: View) -> Self {
+        Self {
+            of_level,
+            view: of_level,
+        }
+    }
+
+    /// What it shows.
+    pub fn view(&self) -> View {
+        self.view
+    }
+
+    /// How many times larger it shows it.
+    pub fn magnification(&self) -> f64 {
+        self.message().magnification()
+    }
+
+    fn message(&self) -> MicroscopeView {
+        MicroscopeView {
+            centre: self.view.centre,
+            field: self.view.field,
+        }
+    }
+
+    /// Sets it as the keys ask; what is to be recorded, if they ask for anything.
+    pub fn set(&mut self, input: &InputState) -> Option<MicroscopeView> {
+        let before = self.view;
+        for event in &input.events {
+            if let Event::Key {
+                key, pressed: true, ..
+            } = event
+            {
+                self.press(*key);
+            }
+        }
+        (self.view != before).then(|| self.message())
+    }
+
+    fn press(&mut self, key: Key) {
+        let magnify = |field: f64, by: f64| {
+            let [least, most] = RANGE;
+            let magnification = (MAGNIFIED_FIELD / field * by).clamp(least, most);
+            MAGNIFIED_FIELD / magnification
+        };
+        match key {
+            Key::Plus | Key::Equals => self.view.field = magnify(self.view.field, STEP),
+            Key::Minus => self.view.field = magnify(self.view.field, 1.0 / STEP),
+            Key::Num0 | Key::Home => self.view = self.of_level,
+            key => {
+                if let Some((_, axis, sign)) = SHIFTS.iter().find(|(of, ..)| *of == key) {
+                    self.view.centre[*axis] += sign * SHIFT * self.view.field;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 25 mm are seen eight times larger (DOMAIN, section 2); keys stay within what microscopes have, and one of them leads back.
+    #[test]
+    fn keys_set_the_microscope_within_its_range() {
+        let of_level = View {
+            field: 0.025,
+            centre: [0.0, 1e-3, 0.0],
+            tilt: 0.5,
+        };
+        let mut scope = Scope::new(of_level);
+        assert!((scope.magnification() - 8.0).abs() < 1e-12);
+        scope.press(Key::Plus);
+        scope.press(Key::L);
+        assert!((scope.magnification() - 10.0).abs() < 1e-12);
+        assert!(
+            (scope.view().centre[0] - 1e-3).abs() < 1e-12,
+            "a twentieth of 20 mm"
+        );
+        (0..20).for_each(|_| scope.press(Key::Plus));
+        assert!((scope.magnification() - 40.0).abs() < 1e-9);
+        (0..40).for_each(|_| scope.press(Key::Minus));
+        assert!((scope.magnification() - 4.0).abs() < 1e-9);
+        scope.press(Key::Home);
+        assert_eq!(scope.view(), of_level);
+    }
+}
