@@ -118,7 +118,15 @@ impl Display {
 
     /// Gives the window of this title the keyboard, as a window manager would.
     pub fn focus(&self, title: &str) {
-        self.xdotool(&["search", "--sync", "--onlyvisible", "--name", title, "windowfocus", "--sync"]);
+        self.xdotool(&[
+            "search",
+            "--sync",
+            "--onlyvisible",
+            "--name",
+            title,
+            "windowfocus",
+            "--sync",
+        ]);
     }
 
     /// Presses a key, as X11 calls it.
@@ -208,7 +216,10 @@ impl Display {
             if start.elapsed() > most {
                 let file = std::env::temp_dir().join(format!("{}.png", what.replace(' ', "-")));
                 self.keep(&file);
-                panic!("not seen within {most:?}: {what}; what was seen: {}", file.display());
+                panic!(
+                    "not seen within {most:?}: {what}; what was seen: {}",
+                    file.display()
+                );
             }
             std::thread::sleep(Duration::from_millis(100));
         }

@@ -19,9 +19,9 @@ fn is_mark([r, g, b]: [u8; 3]) -> bool {
     r > 150 && (60..190).contains(&g) && b < 70 && i16::from(r) - i16::from(g) > 60
 }
 
-/// The blue of the scissors.
+/// The blue of the scissors; that of buttons is brighter.
 fn is_scissors([r, g, b]: [u8; 3]) -> bool {
-    b > 110 && i16::from(b) - i16::from(r) > 50 && i16::from(b) - i16::from(g) > 30
+    b > 110 && g < 150 && i16::from(b) - i16::from(r) > 50 && i16::from(b) - i16::from(g) > 30
 }
 
 /// The green of a verdict.
@@ -38,6 +38,13 @@ fn window(display: &Display, data: &Path, arguments: &[&str]) -> Peer {
     program.env("XDG_RUNTIME_DIR", data);
     program.stdout(Stdio::null()).stderr(Stdio::null());
     Peer(program.spawn().expect("the program starts"))
+}
+
+/// Keeps a picture for people in the folder that `MICROSIM_SHOTS` names, if it is set: those of the README are made so.
+fn keep(display: &Display, name: &str) {
+    if let Some(folder) = std::env::var_os("MICROSIM_SHOTS") {
+        display.keep(&PathBuf::from(folder).join(name).with_extension("png"));
+    }
 }
 
 fn some(blob: Option<Blob>, least: usize) -> Option<Blob> {
@@ -84,6 +91,7 @@ fn coordination_level_2_is_passed_by_mouse_and_keyboard() {
     let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
     let text = |shot: &Shot| some(shot.find([[0, 0], [500, 700]], is_text), 500);
     display.wait_for("the launcher", Duration::from_secs(60), text);
+    keep(&display, "window-launcher");
     display.focus("MicroSim");
     display.point([900, 640]);
     display.key("Right");
@@ -96,28 +104,44 @@ fn coordination_level_2_is_passed_by_mouse_and_keyboard() {
         some(shot.find(FIELD, is_scissors), 100).is_some(),
         "the scissors are there"
     );
+    keep(&display, "window-introduction");
     display.key("Return");
     std::thread::sleep(Duration::from_millis(500));
 
-    // As high as the tissue: 2 mm, eight notches of a hundredth of the field. Straight towards the mark: 20°, at 0.006 rad a pixel.
-    for _ in 0..8 {
+    // As high as the tissue, 2 mm up, which is seen as that times the sine of the tilt; how far a notch of this display's wheel leads is seen as well.
+    let upper = |display: &Display| {
+        let blob = display.shot().find(FIELD, is_scissors);
+        some(blob, 100).expect("the scissors are in the field").top[1]
+    };
+    let start = upper(&display);
+    let rise = 2.0 * 0.766 * SCALE;
+    for notch in 0.. {
+        if notch == 20 {
+            keep(&display, "window-not-lifted");
+            panic!("the wheel does not lift the scissors");
+        }
         display.button(4, true);
         display.button(4, false);
+        std::thread::sleep(Duration::from_millis(400));
+        if start - upper(&display) > rise - 4.0 {
+            break;
+        }
     }
+    // Straight towards the mark: 20°, at 0.006 rad a pixel.
     display.button(3, true);
-    display.drag([-20_f64.to_radians() / 0.006, 0.0], 12);
+    display.drag([-20_f64.to_radians() / 0.006, 0.0], 30);
     display.button(3, false);
-    std::thread::sleep(Duration::from_millis(700));
 
     // Beneath the mark, then forward until the tips are 1.3 mm behind the middle of the tissue. Two blades are seen, the upper one further up by half of what they are open: 20° over
     // 8 mm from the hinge, seen under the tilt.
+    keep(&display, "window-turned");
     let tips = |display: &Display| {
         let shot = display.shot();
         let blob = some(shot.find(FIELD, is_scissors), 100).expect("the scissors are in the field");
         let blade = 8.0 * 10_f64.to_radians().sin() * 0.766 * SCALE;
         [blob.top[0], blob.top[1] + blade]
     };
-    for steps in [25, 12] {
+    for steps in [50, 15] {
         let [x, y] = tips(&display);
         let behind = 1.3 * FORESHORTENING * SCALE;
         // What is seen of the mark lies 0.3 mm above the middle.
@@ -126,8 +150,9 @@ fn coordination_level_2_is_passed_by_mouse_and_keyboard() {
         display.drag([0.0, middle - behind - y], 2 * steps);
         std::thread::sleep(Duration::from_millis(500));
     }
+    keep(&display, "window-training");
     display.button(1, true);
-    std::thread::sleep(Duration::from_millis(1500));
+    std::thread::sleep(Duration::from_millis(1000));
     display.button(1, false);
 
     let sessions = data.join("sessions");
@@ -143,6 +168,7 @@ fn coordination_level_2_is_passed_by_mouse_and_keyboard() {
             )
         })
     });
+    keep(&display, "window-debrief");
     let report: Value =
         serde_json::from_slice(&std::fs::read(report).expect("read")).expect("JSON");
     assert_eq!(report["verdict"], "passed", "{}", report["reasons"]);

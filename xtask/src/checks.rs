@@ -17,7 +17,9 @@ pub fn check(workspace: &Workspace, short: bool, harness: &[OsString]) -> Result
     phases.run("set-up", || {
         setup::setup(Mode::Install).map(|()| Outcome::Passed)
     })?;
-    phases.run("build", || tree::build(workspace).map(|()| Outcome::Passed))?;
+    phases.run("build", || {
+        tree::build_for_tests(workspace).map(|()| Outcome::Passed)
+    })?;
     phases.run("format", || format(workspace))?;
     phases.run("clippy", || clippy(workspace))?;
     phases.run("documentation", || documentation(workspace))?;

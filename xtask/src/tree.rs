@@ -41,9 +41,29 @@ type Plan = BTreeMap<PathBuf, PathBuf>;
 
 /// Builds everything and brings the tree up to date.
 pub fn build(workspace: &Workspace) -> Result<(), Failure> {
+    let what = [
+        "-p",
+        "microsim-app",
+        "-p",
+        "microsim-plugin-*",
+        "-p",
+        "microsim-module-*",
+    ];
+    build_with(workspace, &what)
+}
+
+/// The same, of crates whose dependencies have the features that they have in tests, which an example among what is selected brings about: tests then build nothing again that is in the
+/// tree.
+pub fn build_for_tests(workspace: &Workspace) -> Result<(), Failure> {
+    build_with(
+        workspace,
+        &["--workspace", "--lib", "--bins", "--example", "beam"],
+    )
+}
+
+fn build_with(workspace: &Workspace, what: &[&str]) -> Result<(), Failure> {
     let mut cargo = workspace.cargo();
-    cargo.args(["build", "--release", "-p", "microsim-app"]);
-    cargo.args(["-p", "microsim-plugin-*", "-p", "microsim-module-*"]);
+    cargo.args(["build", "--release"]).args(what);
     if !child::run(&mut cargo)?.success() {
         return Err(Failure::Cannot("the build failed".into()));
     }

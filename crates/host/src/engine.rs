@@ -12,7 +12,9 @@ use crate::span;
 use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault, Output, PluginBox, STATE_HASHED};
 use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router, kind_id};
-use microsim_message::{InputSample, LevelControl, Message, core_kinds, decode, encode};
+use microsim_message::{
+    DesktopInput, InputSample, LevelControl, Message, MicroscopeView, core_kinds, decode, encode,
+};
 use microsim_session::{Chain, digest};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -22,6 +24,9 @@ pub type Hash = [u8; 32];
 
 /// Kinds that every plugin may publish without declaring them.
 const SERVICE_KINDS: [&str; 2] = ["host.log", "host.progress"];
+
+/// What the host itself publishes: the operator's control of the level, and what is asked for in front of a window. Nothing that is computed.
+const OF_HOST: [&str; 3] = [LevelControl::KIND, DesktopInput::KIND, MicroscopeView::KIND];
 
 /// The ability to give a digest of a plugin's values.
 const STATE_DIGEST: &str = "state.digest";
@@ -343,8 +348,10 @@ impl Engine {
         for frame in Frames::new(log) {
             let frame = frame.map_err(|e| bad(e.to_string()))?;
             if self.is_external(frame.header.sender) {
-                // What the host itself publishes is the operator's control of the level, and nothing that is computed.
-                if frame.header.sender == HOST && frame.header.kind != kind_id(LevelControl::KIND) {
+                let is_of_host = OF_HOST
+                    .iter()
+                    .any(|kind| kind_id(kind) == frame.header.kind);
+                if frame.header.sender == HOST && !is_of_host {
                     return Err(bad(
                         "a message of the host that it never publishes".to_owned()
                     ));

@@ -86,6 +86,12 @@ impl Hands {
         if self.tools.is_empty() {
             return wishes;
         }
+        // A pointer that lay there before the level began.
+        let before = input
+            .pointer
+            .latest_pos()
+            .map(|now| now - input.pointer.delta());
+        self.pointer = self.pointer.or(before);
         for event in &input.events {
             self.handle(event, input.modifiers.shift, picture, &mut wishes);
         }

@@ -3,7 +3,7 @@
 use crate::look;
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, TraineeEntry};
 use crate::text::{self, local};
-use eframe::egui::{self, Align, Layout, ScrollArea, Sense, Ui};
+use eframe::egui::{self, Align, Event, Key, Layout, ScrollArea, Sense, Ui};
 use microsim_message::LocalText;
 use microsim_vocabulary::Language;
 
@@ -52,7 +52,7 @@ impl Launcher {
 
     /// Shows it.
     pub fn show(&mut self, ui: &mut Ui, offer: &Offer<'_>, language: Language) -> Option<Wanted> {
-        let mut wanted = None;
+        let mut wanted = self.choose_by_keys(ui, offer.catalogue);
         egui::Panel::top("title")
             .show_separator_line(false)
             .show(ui, |ui| {
@@ -112,12 +112,10 @@ impl Launcher {
                 });
             ui.add_space(8.0);
             let begin = ui.add(look::main_button(text::BEGIN.of(language)));
-            let enter = ui.input(|input| input.key_pressed(egui::Key::Enter));
-            if (begin.clicked() || enter) && wanted.is_none() {
+            if begin.clicked() {
                 wanted = self.choice(offer.catalogue).map(Wanted::Begin);
             }
         });
-        self.choose_by_keys(ui, offer.catalogue);
         wanted
     }
 
@@ -147,30 +145,33 @@ impl Launcher {
         ui.label(text::TRAINEE.of(language));
     }
 
-    /// Arrows choose: up and down the module, left and right the level.
-    fn choose_by_keys(&mut self, ui: &Ui, catalogue: &Catalogue) {
-        if ui.memory(|memory| memory.focused().is_some()) || catalogue.modules.is_empty() {
-            return;
+    /// Arrows choose, up and down the module, left and right the level, and Enter begins: in the order in which they were pressed, however slow the pictures are.
+    fn choose_by_keys(&mut self, ui: &Ui, catalogue: &Catalogue) -> Option<Wanted> {
+        let last = catalogue.modules.len().checked_sub(1)?;
+        if ui.memory(|memory| memory.focused().is_some()) {
+            return None;
         }
-        let pressed = |key| ui.input(|input| input.key_pressed(key));
-        let last = catalogue.modules.len() - 1;
-        let before = self.module;
-        if pressed(egui::Key::ArrowDown) {
-            self.module = (self.module + 1).min(last);
+        let is_press = |event: &Event| match event {
+            Event::Key {
+                key, pressed: true, ..
+            } => Some(*key),
+            _ => None,
+        };
+        let keys: Vec<Key> = ui.input(|input| input.events.iter().filter_map(is_press).collect());
+        for key in keys {
+            let levels = catalogue.modules[self.module.min(last)].levels.len() as u32;
+            match key {
+                Key::ArrowDown if self.module < last => {
+                    (self.module, self.level) = (self.module + 1, 1)
+                }
+                Key::ArrowUp if self.module > 0 => (self.module, self.level) = (self.module - 1, 1),
+                Key::ArrowRight => self.level = (self.level.max(1) + 1).min(levels),
+                Key::ArrowLeft => self.level = self.level.saturating_sub(1).max(1),
+                Key::Enter => return self.choice(catalogue).map(Wanted::Begin),
+                _ => {}
+            }
         }
-        if pressed(egui::Key::ArrowUp) {
-            self.module = self.module.saturating_sub(1);
-        }
-        if self.module != before {
-            self.level = 1;
-        }
-        let levels = catalogue.modules[self.module.min(last)].levels.len() as u32;
-        if pressed(egui::Key::ArrowRight) {
-            self.level = (self.level.max(1) + 1).min(levels);
-        }
-        if pressed(egui::Key::ArrowLeft) {
-            self.level = self.level.saturating_sub(1).max(1);
-        }
+        None
     }
 }
 

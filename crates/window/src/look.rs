@@ -85,6 +85,11 @@ pub fn card(chosen: bool) -> egui::Frame {
         .inner_margin(Margin::same(12))
 }
 
+/// A frame for what lies over the picture and waits for an answer.
+pub fn overlay() -> egui::Frame {
+    card(false).stroke(Stroke::new(1.5, ACCENT))
+}
+
 /// A heading within a screen.
 pub fn heading(text: &str) -> RichText {
     RichText::new(text).size(18.0).strong().color(TEXT)

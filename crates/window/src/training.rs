@@ -288,14 +288,14 @@ impl Training {
     }
 }
 
-/// A card in the lower part of the picture, which leaves the tissue free.
+/// A card in the upper part of the picture, which leaves tissue and instruments free.
 fn overlay(ui: &Ui, name: &str, picture: Rect, show: impl FnOnce(&mut Ui)) {
-    let place = egui::pos2(picture.center().x, picture.top() + 0.72 * picture.height());
+    let place = egui::pos2(picture.center().x, picture.top() + 8.0);
     egui::Area::new(egui::Id::unique(name))
-        .pivot(egui::Align2::CENTER_CENTER)
+        .pivot(egui::Align2::CENTER_TOP)
         .fixed_pos(place)
         .show(ui.ctx(), |ui| {
-            look::card(true).show(ui, |ui| {
+            look::overlay().show(ui, |ui| {
                 ui.set_width(340.0);
                 ui.vertical_centered(show);
             });

@@ -77,7 +77,7 @@ pub struct PivotArgs {
     pub tool: String,
     #[command(flatten)]
     pub listen: ListenArgs,
-    /// Largest root mean square residual [mm]
+    /// Largest root mean square residual (mm)
     #[arg(long, value_name = "MM", default_value = "0.5", value_parser = parse_millimetres)]
     pub limit: f64,
     /// Write nothing
@@ -125,13 +125,13 @@ pub struct WorkspaceArgs {
     /// Let the scale be free; otherwise it is 1
     #[arg(long)]
     pub scale: bool,
-    /// How long the tip has to stand on a point [s]
+    /// How long the tip has to stand on a point (s)
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = parse_seconds)]
     pub dwell: f64,
-    /// How far it may move in that time [mm]
+    /// How far it may move in that time (mm)
     #[arg(long, value_name = "MM", default_value = "1", value_parser = parse_millimetres)]
     pub still: f64,
-    /// Largest root mean square residual [mm]
+    /// Largest root mean square residual (mm)
     #[arg(long, value_name = "MM", default_value = "0.5", value_parser = parse_millimetres)]
     pub limit: f64,
     /// Write nothing
