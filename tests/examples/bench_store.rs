@@ -42,7 +42,8 @@ fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
                     direction: "lower-is-better".into(),
                     category: "efficiency".into(),
                     formula: format!("metric-{k}/1"),
-                },
+                }
+                .into(),
                 value: Some(value),
                 min: None,
                 max: Some(0.8),

@@ -352,7 +352,8 @@ fn entry(recorded: &Recorded, report: &Report, path: &Path) -> Session {
                 direction: record.direction.clone(),
                 category: record.category.clone(),
                 formula: record.formula.clone(),
-            },
+            }
+            .into(),
             value: record.value,
             min: limit.and_then(|limit| limit.min),
             max: limit.and_then(|limit| limit.max),

@@ -127,20 +127,19 @@ fn rows<W: Write + Send>(
         Cell::Real(session.duration),
         session.score.into(),
     ];
-    let whole = |of_metric: &[Cell<'_>], table: &mut TableWriter<W>| {
-        let mut row = of_session.to_vec();
-        row.extend_from_slice(of_metric);
-        row.resize(COLUMNS.len(), Cell::Empty);
-        table.row(&row)
-    };
+    let mut row = [Cell::Empty; COLUMNS.len()];
+    row[..of_session.len()].copy_from_slice(&of_session);
     if session.metrics.is_empty() {
-        return whole(&[], table);
+        return table.row(&row);
     }
-    let mut metrics = session.metrics.iter();
-    metrics.try_for_each(|measured| whole(&of_metric(measured), table))
+    for measured in &session.metrics {
+        row[of_session.len()..].copy_from_slice(&cells(measured));
+        table.row(&row)?;
+    }
+    Ok(())
 }
 
-fn of_metric(measured: &Measured) -> [Cell<'_>; 11] {
+fn cells(measured: &Measured) -> [Cell<'_>; 11] {
     let metric = &measured.metric;
     [
         Cell::Text(&metric.id),

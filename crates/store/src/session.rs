@@ -7,6 +7,7 @@ use crate::trainee;
 use microsim_vocabulary::terms;
 use rusqlite::{Connection, OptionalExtension, params};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 terms! {
     /// How a session ended for the trainee; the names are those of reports.
@@ -45,12 +46,11 @@ pub struct Metric {
     pub formula: String,
 }
 
-/// The value of a metric in a session.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+/// The value of a metric in a session, with the metric, which many values have in common, or with what names it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured<M = Arc<Metric>> {
     /// The metric.
-    #[serde(flatten)]
-    pub metric: Metric,
+    pub metric: M,
     /// Value in the SI unit; `None`: not applicable.
     pub value: Option<f64>,
     /// Smallest value that passes.
@@ -65,7 +65,22 @@ pub struct Measured {
     pub score: Option<f64>,
 }
 
-/// A session with its result.
+impl<M> Measured<M> {
+    /// The same value with another name of its metric.
+    pub(crate) fn of<N>(&self, metric: N) -> Measured<N> {
+        Measured {
+            metric,
+            value: self.value,
+            min: self.min,
+            max: self.max,
+            decides: self.decides,
+            within: self.within,
+            score: self.score,
+        }
+    }
+}
+
+/// A session with its result. Documents have the values of its metrics beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Session {
     /// Its id.
@@ -113,7 +128,7 @@ pub struct Session {
     /// Scores by category.
     pub categories: Vec<(String, f64)>,
     /// All metrics, by id.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip)]
     pub metrics: Vec<Measured>,
 }
 

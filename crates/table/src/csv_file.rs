@@ -2,37 +2,49 @@
 
 use crate::kind::{Cell, Column};
 use std::borrow::Cow;
+use std::fmt::Write as _;
 use std::io::{Error, Write};
 
 /// A CSV file that is being written.
-pub(crate) struct CsvFile<W: Write>(csv::Writer<W>);
+pub(crate) struct CsvFile<W: Write> {
+    writer: csv::Writer<W>,
+    /// The number that is being written.
+    number: String,
+}
 
 impl<W: Write> CsvFile<W> {
     pub fn new(columns: &[Column], sink: W) -> Result<Self, Error> {
         let mut writer = csv::Writer::from_writer(sink);
         let names = columns.iter().map(|column| column.name);
         writer.write_record(names).map_err(plain)?;
-        Ok(Self(writer))
+        let number = String::new();
+        Ok(Self { writer, number })
     }
 
     pub fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), Error> {
         for cell in cells {
+            self.number.clear();
+            let _ = match cell {
+                Cell::Empty | Cell::Text(_) => Ok(()),
+                Cell::Integer(value) => write!(self.number, "{value}"),
+                Cell::Real(value) => write!(self.number, "{value}"),
+                Cell::Flag(value) => write!(self.number, "{value}"),
+            };
             let written = match cell {
-                Cell::Empty => self.0.write_field(""),
-                Cell::Text(text) => self.0.write_field(harmless(text).as_bytes()),
-                Cell::Integer(value) => self.0.write_field(value.to_string()),
-                Cell::Real(value) => self.0.write_field(value.to_string()),
-                Cell::Flag(value) => self.0.write_field(value.to_string()),
+                Cell::Text(text) => self.writer.write_field(harmless(text).as_bytes()),
+                _ => self.writer.write_field(&self.number),
             };
             written.map_err(plain)?;
         }
         // An empty record ends the row of the fields before it.
         let end: [&str; 0] = [];
-        self.0.write_record(end).map_err(plain)
+        self.writer.write_record(end).map_err(plain)
     }
 
     pub fn finish(self) -> Result<W, Error> {
-        self.0.into_inner().map_err(csv::IntoInnerError::into_error)
+        self.writer
+            .into_inner()
+            .map_err(csv::IntoInnerError::into_error)
     }
 }
 

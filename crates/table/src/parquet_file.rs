@@ -44,7 +44,11 @@ impl Values {
     fn push(&mut self, cell: Cell<'_>) {
         let is_there = match (&mut self.of, cell) {
             (Typed::Text(values), Cell::Text(text)) => {
-                values.push(ByteArray::from(text.as_bytes().to_vec()));
+                // Rows of one observation repeat its texts, which are in memory once then.
+                let bytes = text.as_bytes();
+                let last = values.last().filter(|last| last.data() == bytes);
+                let value = last.map_or_else(|| ByteArray::from(bytes.to_vec()), Clone::clone);
+                values.push(value);
                 true
             }
             (Typed::Integer(values), Cell::Integer(value)) => {

@@ -39,7 +39,8 @@ fn measured(name: &str, value: Option<f64>) -> Measured {
             direction: "lower-is-better".into(),
             category: "efficiency".into(),
             formula: format!("{name}/1"),
-        },
+        }
+        .into(),
         value,
         min: None,
         max: Some(0.5),
