@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 use std::fmt;
+use std::sync::{Arc, OnceLock};
 
 /// An open graphics device. Cloning shares the device.
 #[derive(Clone, Debug)]
@@ -20,6 +21,7 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     adapter_name: String,
+    lost: Arc<OnceLock<String>>,
 }
 
 impl Gpu {
@@ -58,11 +60,33 @@ impl Gpu {
                     reason: error.to_string(),
                 }
             })?;
-        Ok(Self {
+        Ok(Self::from_device(device, queue, info.name))
+    }
+
+    /// Takes a device that is open already, such as the one that draws to a window, with the name of its adapter. It needs the limits that every
+    /// WebGPU device guarantees. The callback for the loss of the device is set here and belongs to the result.
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, adapter_name: String) -> Self {
+        let lost = Arc::new(OnceLock::new());
+        let shared = lost.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            // The first loss is the one that counts.
+            let _ = shared.set(match message.is_empty() {
+                true => format!("device lost ({reason:?})"),
+                false => format!("device lost ({reason:?}): {message}"),
+            });
+        });
+        Self {
             device,
             queue,
-            adapter_name: info.name,
-        })
+            adapter_name,
+            lost,
+        }
+    }
+
+    /// Why the device is lost, once it is: the driver was reset or removed, or the device destroyed. Nothing can be drawn with it any more; a new one
+    /// has to be opened. Known from the next poll of the device on, which every submission and every wait does.
+    pub fn lost(&self) -> Option<&str> {
+        self.lost.get().map(String::as_str)
     }
 
     /// The adapter's name as its driver gives it, e.g. "llvmpipe (LLVM 19.1.7, 256 bits)".

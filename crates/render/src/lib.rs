@@ -22,10 +22,12 @@ mod light;
 mod picture;
 mod pipelines;
 mod renderer;
+pub mod snapshot;
 mod surface;
 mod targets;
 #[cfg(test)]
 mod testing;
+mod upload;
 
 pub use error::RenderError;
 pub use image::Image;

@@ -1,7 +1,9 @@
 //! Drawing: pipelines made once, textures retained while the size stays, one upload and three passes per picture.
 
 use microsim_gpu::Gpu;
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::RenderError;
 use crate::image::Image;
@@ -10,6 +12,7 @@ use crate::picture::{Picture, View};
 use crate::pipelines::Pipelines;
 use crate::surface::Surfaces;
 use crate::targets::{DEPTH, Targets, texture};
+use crate::upload::Upload;
 
 /// Side of the shadow map \[texels\].
 const SHADOW_SIDE: u32 = 1024;
@@ -21,6 +24,10 @@ const SHADOW_REACH: f64 = 1.5;
 const SHADOW_DEPTHS: [f64; 2] = [-3.0, 9.0];
 /// Nearest plane that is drawn, in parts of the working distance. Shafts that reach higher have left the field.
 const NEAR: f64 = 0.2;
+/// Pictures that may be under way at once: one is drawn while the next is being encoded.
+const UNDER_WAY: usize = 2;
+/// What a buffer begins with \[bytes\].
+const FIRST_BYTES: u64 = 1 << 16;
 
 /// Draws pictures. Not shared between threads: each thread that draws has its own.
 pub struct Renderer {
@@ -30,7 +37,11 @@ pub struct Renderer {
     scene_group: wgpu::BindGroup,
     shadow_group: wgpu::BindGroup,
     shadow_view: wgpu::TextureView,
+    vertices: Upload,
+    indices: Upload,
     targets: Option<Targets>,
+    /// Pictures that were submitted and are not known to be finished, the oldest first.
+    under_way: VecDeque<(wgpu::SubmissionIndex, Arc<AtomicBool>)>,
 }
 
 /// The shader's `Scene`, same order.
@@ -53,15 +64,98 @@ impl Renderer {
         watched(gpu, || Ok(Self::build(gpu)))
     }
 
-    /// Draws one picture and waits for it.
+    /// Draws one picture and waits for it: [`render`](Self::render), then [`read_back`](Self::read_back).
     ///
     /// # Errors
-    /// A size that the adapter cannot draw, a view or an item with impossible numbers, or a refusal of the driver. The renderer
-    /// can be used again after each of them.
+    /// Those of both. The renderer can be used again after each of them, except after the loss of the device.
     pub fn draw(&mut self, picture: &Picture) -> Result<Image, RenderError> {
+        self.render(picture)?;
+        self.read_back()
+    }
+
+    /// Encodes and submits one picture and does not wait until it is drawn; returns the view that it is drawn into, in
+    /// [`texture`](Self::texture). What is submitted to the same queue later sees the finished picture.
+    ///
+    /// Pictures do not queue up: the call waits for the picture before the previous one, so that one is drawn while the next is being encoded.
+    ///
+    /// # Errors
+    /// A size that the adapter cannot draw, a view or an item with impossible numbers: found before anything is drawn. What the driver refuses (validation,
+    /// memory) is found in this call, without waiting. What fails while the picture is being drawn is the loss of the device: the next call of
+    /// this, [`read_back`](Self::read_back) or [`Gpu::lost`] reports it.
+    pub fn render(&mut self, picture: &Picture) -> Result<&wgpu::TextureView, RenderError> {
         self.check(picture)?;
+        self.is_busy()?;
         let gpu = self.gpu.clone();
-        watched(&gpu, || self.draw_checked(picture))
+        while self.under_way.len() >= UNDER_WAY {
+            let oldest = self.under_way.pop_front().map(|(index, _)| index);
+            self.wait(oldest)?;
+        }
+        watched(&gpu, || {
+            self.submit(picture);
+            Ok(())
+        })?;
+        match &self.targets {
+            Some(targets) => Ok(&targets.view),
+            None => unreachable!("submit makes the targets"),
+        }
+    }
+
+    /// Waits for the last picture that was rendered and takes its pixels to memory.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] when the driver fails, and when nothing was rendered yet.
+    pub fn read_back(&mut self) -> Result<Image, RenderError> {
+        let Some(targets) = &self.targets else {
+            return Err(RenderError::Device {
+                reason: "no picture was rendered that could be read back".to_owned(),
+            });
+        };
+        let gpu = &self.gpu;
+        let image = watched(gpu, || {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            targets.copy_back(&mut encoder);
+            gpu.queue().submit([encoder.finish()]);
+            targets.read(gpu.device())
+        });
+        self.under_way.clear();
+        image
+    }
+
+    /// The texture of the last picture, sRGB; a view of it as `Rgba8Unorm` gives the encoded bytes, and it can be bound. It stays the same while the
+    /// size of the pictures does. `None` before the first picture.
+    pub fn texture(&self) -> Option<&wgpu::Texture> {
+        self.targets.as_ref().map(|targets| &targets.resolved)
+    }
+
+    /// Whether the last picture is not finished yet. Asks the driver and does not wait.
+    ///
+    /// # Errors
+    /// The loss of the device.
+    pub fn is_busy(&mut self) -> Result<bool, RenderError> {
+        let polled = self.gpu.device().poll(wgpu::PollType::Poll);
+        self.alive()?;
+        polled.map_err(|error| RenderError::Device {
+            reason: error.to_string(),
+        })?;
+        let finished = |done: &Arc<AtomicBool>| done.load(Ordering::Acquire);
+        self.under_way.retain(|(_, done)| !finished(done));
+        Ok(!self.under_way.is_empty())
+    }
+
+    /// Waits for one submission.
+    fn wait(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), RenderError> {
+        let polled = self.gpu.device().poll(wgpu::PollType::Wait {
+            submission_index,
+            timeout: None,
+        });
+        self.alive()?;
+        polled.map(|_| ()).map_err(|error| RenderError::Device {
+            reason: error.to_string(),
+        })
+    }
+
+    fn alive(&self) -> Result<(), RenderError> {
+        alive(&self.gpu)
     }
 
     fn check(&self, picture: &Picture) -> Result<(), RenderError> {
@@ -80,31 +174,13 @@ impl Renderer {
         Ok(())
     }
 
-    fn draw_checked(&mut self, picture: &Picture) -> Result<Image, RenderError> {
+    fn submit(&mut self, picture: &Picture) {
         let (device, queue) = (self.gpu.device(), self.gpu.queue());
         let field_pixels = 0.5 * f64::from(picture.width.min(picture.height));
         let surfaces = Surfaces::build(&picture.items, &picture.view, field_pixels);
-        let buffer = |contents: &[u8], usage| {
-            // An empty picture still needs buffers to bind.
-            let contents = if contents.is_empty() {
-                &[0; 4]
-            } else {
-                contents
-            };
-            device.create_buffer_init(&BufferInitDescriptor {
-                label: None,
-                contents,
-                usage,
-            })
-        };
-        let vertices = buffer(
-            bytemuck::cast_slice(&surfaces.vertices),
-            wgpu::BufferUsages::VERTEX,
-        );
-        let indices = buffer(
-            bytemuck::cast_slice(&surfaces.indices),
-            wgpu::BufferUsages::INDEX,
-        );
+        self.vertices.write(device, queue, &surfaces.vertices);
+        self.indices.write(device, queue, &surfaces.indices);
+        let (vertices, indices) = (self.vertices.buffer(), self.indices.buffer());
         queue.write_buffer(
             &self.scene,
             0,
@@ -136,13 +212,12 @@ impl Renderer {
             }
         }
         {
-            let resolved = targets.resolved.create_view(&Default::default());
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("field"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &targets.samples,
                     depth_slice: None,
-                    resolve_target: Some(&resolved),
+                    resolve_target: Some(&targets.view),
                     ops: wgpu::Operations {
                         load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
                         store: wgpu::StoreOp::Discard,
@@ -167,11 +242,12 @@ impl Renderer {
                 pass.draw_indexed(layer.indices, 0, 0..1);
             }
         }
-        targets.copy_back(&mut encoder);
-        queue.submit([encoder.finish()]);
-        let image = targets.read(device);
+        let index = queue.submit([encoder.finish()]);
+        let done = Arc::new(AtomicBool::new(false));
+        let finished = done.clone();
+        queue.on_submitted_work_done(move || finished.store(true, Ordering::Release));
+        self.under_way.push_back((index, done));
         self.targets = Some(targets);
-        image
     }
 
     fn build(gpu: &Gpu) -> Self {
@@ -227,7 +303,10 @@ impl Renderer {
             scene_group,
             shadow_group,
             shadow_view,
+            vertices: Upload::new(device, "vertices", wgpu::BufferUsages::VERTEX, FIRST_BYTES),
+            indices: Upload::new(device, "indices", wgpu::BufferUsages::INDEX, FIRST_BYTES),
             targets: None,
+            under_way: VecDeque::new(),
         }
     }
 }
@@ -242,11 +321,22 @@ fn watched<T>(gpu: &Gpu, work: impl FnOnce() -> Result<T, RenderError>) -> Resul
     let result = work();
     // Scopes are a stack; an error stands in the innermost scope of its kind.
     let complaints = [validation.pop(), internal.pop(), memory.pop()].map(pollster::block_on);
+    alive(gpu)?;
     match complaints.into_iter().flatten().next() {
         Some(error) => Err(RenderError::Device {
             reason: error.to_string(),
         }),
         None => result,
+    }
+}
+
+/// The loss of the device is no complaint of a scope.
+fn alive(gpu: &Gpu) -> Result<(), RenderError> {
+    match gpu.lost() {
+        Some(reason) => Err(RenderError::Device {
+            reason: reason.to_owned(),
+        }),
+        None => Ok(()),
     }
 }
 

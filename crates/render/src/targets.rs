@@ -15,6 +15,7 @@ pub(crate) struct Targets {
     pub samples: wgpu::TextureView,
     pub depth: wgpu::TextureView,
     pub resolved: wgpu::Texture,
+    pub view: wgpu::TextureView,
     readback: wgpu::Buffer,
     /// Bytes from one row to the next in `readback`.
     row_bytes: u32,
@@ -26,6 +27,16 @@ impl Targets {
         let size = (width, height);
         let align = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
         let row_bytes = (4 * width).div_ceil(align) * align;
+        let resolved = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("picture"),
+            view_formats: &[COLOUR.remove_srgb_suffix()],
+            ..description(
+                size,
+                1,
+                COLOUR,
+                attachment | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
+            )
+        });
         Self {
             width,
             height,
@@ -33,13 +44,8 @@ impl Targets {
                 .create_view(&Default::default()),
             depth: texture(device, size, SAMPLES, DEPTH, attachment)
                 .create_view(&Default::default()),
-            resolved: texture(
-                device,
-                size,
-                1,
-                COLOUR,
-                attachment | wgpu::TextureUsages::COPY_SRC,
-            ),
+            view: resolved.create_view(&Default::default()),
+            resolved,
             readback: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("readback"),
                 size: u64::from(row_bytes) * u64::from(height),
@@ -89,12 +95,21 @@ impl Targets {
 /// A plain 2D texture.
 pub(crate) fn texture(
     device: &wgpu::Device,
-    (width, height): (u32, u32),
+    size: (u32, u32),
     sample_count: u32,
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
 ) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
+    device.create_texture(&description(size, sample_count, format, usage))
+}
+
+fn description(
+    (width, height): (u32, u32),
+    sample_count: u32,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::TextureDescriptor<'static> {
+    wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d {
             width,
@@ -107,5 +122,5 @@ pub(crate) fn texture(
         format,
         usage,
         view_formats: &[],
-    })
+    }
 }

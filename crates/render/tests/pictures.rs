@@ -433,3 +433,57 @@ fn faults_are_errors_and_the_renderer_goes_on() {
     let background = renderer.draw(&empty).unwrap();
     assert_eq!(background.pixel(200, 200), [0, 0, 255]);
 }
+
+/// Rendering without reading back gives the same bytes, however many pictures went before; the texture stays while the size does, and takes the view that a
+/// window needs.
+#[test]
+fn rendering_and_reading_back_are_apart() {
+    let Some(mut renderer) = renderer() else {
+        return;
+    };
+    assert!(renderer.texture().is_none() && !renderer.is_busy().unwrap());
+    assert!(matches!(
+        renderer.read_back(),
+        Err(RenderError::Device { .. })
+    ));
+    let at = |x: f64| picture(vec![ball(2.0e-3, [x, 0.0, 0.0], [0.9, 0.2, 0.1])]);
+    let expected = renderer.draw(&at(3.0e-3)).unwrap();
+    let texture = renderer.texture().cloned();
+    for step in -3..=3 {
+        renderer.render(&at(1.0e-3 * f64::from(step))).unwrap();
+    }
+    assert!(renderer.texture() == texture.as_ref());
+    assert!(expected == renderer.read_back().unwrap());
+    assert!(!renderer.is_busy().unwrap(), "what was read is finished");
+    let texture = texture.unwrap();
+    assert!(
+        texture
+            .usage()
+            .contains(wgpu::TextureUsages::TEXTURE_BINDING)
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        format: Some(wgpu::TextureFormat::Rgba8Unorm),
+        ..Default::default()
+    });
+    assert!(expected == renderer.read_back().unwrap(), "read twice");
+}
+
+/// A device that is lost is an error of the next call, not a panic; a new device draws again.
+#[test]
+fn loss_of_the_device_is_an_error() {
+    let Ok(gpu) = Gpu::off_screen() else {
+        println!("picture test skipped: no driver");
+        return;
+    };
+    let mut renderer = Renderer::new(&gpu).unwrap();
+    let empty = picture(Vec::new());
+    renderer.render(&empty).unwrap();
+    assert_eq!(gpu.lost(), None);
+    gpu.device().destroy();
+    for _ in 0..3 {
+        let error = renderer.draw(&empty).unwrap_err();
+        assert!(error.to_string().contains("lost"), "{error}");
+    }
+    assert!(renderer.is_busy().is_err());
+    assert!(gpu.lost().is_some());
+}
