@@ -301,21 +301,45 @@ impl Store {
         Ok(transaction.commit()?)
     }
 
-    /// Notes files that belong to a session and do not lie beside it. A session that is not here has none.
+    /// Notes files that were written for a session. Those of them that do not lie `beside` it belong to it from now on, and none belongs to another
+    /// session any more, whose file of that name is gone. A session that is not here has none.
     ///
     /// # Errors
     /// Those of the database.
-    pub fn attach(&mut self, id: Id, paths: &[String]) -> Result<(), StoreError> {
+    pub fn attach(
+        &mut self,
+        id: Id,
+        paths: &[String],
+        beside: &[String],
+    ) -> Result<(), StoreError> {
         let transaction = self.write()?;
         if let Some(key) = key(&transaction, id)? {
             for path in paths {
                 transaction.execute(
-                    "INSERT OR IGNORE INTO session_file VALUES (?1, ?2)",
+                    "DELETE FROM session_file WHERE path = ?2 AND session <> ?1",
                     params![key, path],
                 )?;
+                if !beside.contains(path) {
+                    transaction.execute(
+                        "INSERT OR IGNORE INTO session_file VALUES (?1, ?2)",
+                        params![key, path],
+                    )?;
+                }
             }
         }
         Ok(transaction.commit()?)
+    }
+
+    /// Whether a file that lies beside a session of this trainee, or did, was written for a session of somebody else since.
+    ///
+    /// # Errors
+    /// Those of the database.
+    pub fn is_of_another(&self, path: &str, trainee: Id) -> Result<bool, StoreError> {
+        let mut statement = self.connection.prepare_cached(
+            "SELECT 1 FROM session_file JOIN session ON session_file.session = session.key
+            WHERE session_file.path = ?1 AND session.trainee IS NOT (SELECT key FROM trainee WHERE id = ?2)",
+        )?;
+        Ok(statement.exists(params![path, trainee])?)
     }
 
     /// Files that belong to a session and do not lie beside it.

@@ -62,7 +62,10 @@ fn configurations_cross_unchanged() {
     }
     assert_crosses(&PhysicsConfig::new(&level, &models).expect("a level with physics"));
     assert_crosses(&ModuleConfig::new(&level, &manifest, &models));
-    assert_crosses(&ObjectsConfig::new(&level));
+    assert_crosses(&ObjectsConfig::new(
+        &level,
+        [("mat.glb".to_owned(), "00ff".to_owned())].into(),
+    ));
     assert_crosses(&RendererConfig::new(&level, &models, (640, 480)));
     let script = read_script(example("script"), "script.toml").expect("the example is right");
     assert_crosses(&ScriptConfig {
