@@ -148,7 +148,9 @@ impl Part {
             let corners = triangle.map(|v| {
                 let mut sum = [0.0; 3];
                 // A fan with thousands of faces at one point is round, and costs no more than its first ones.
-                for other in around[v as usize].iter().take(MOST_AROUND).chain([&face]) {
+                let near = around[v as usize].iter().take(MOST_AROUND);
+                let own_too = (!near.clone().any(|other| *other == face)).then_some(&face);
+                for other in near.chain(own_too) {
                     let n = unit(faces[*other]);
                     if n[0] * own[0] + n[1] * own[1] + n[2] * own[2] >= crease {
                         [0, 1, 2]
