@@ -45,6 +45,9 @@ const COLUMNS: [Column; 28] = [
     column("score", Kind::Real),
 ];
 
+/// How many of the columns, the last ones, are of a metric.
+const METRIC_COLUMNS: usize = 11;
+
 /// An error of the store or of the table.
 struct Failure(String);
 
@@ -127,19 +130,14 @@ fn rows<W: Write + Send>(
         Cell::Real(session.duration),
         session.score.into(),
     ];
-    let mut row = [Cell::Empty; COLUMNS.len()];
-    row[..of_session.len()].copy_from_slice(&of_session);
-    if session.metrics.is_empty() {
-        return table.row(&row);
-    }
-    for measured in &session.metrics {
-        row[of_session.len()..].copy_from_slice(&cells(measured));
-        table.row(&row)?;
-    }
-    Ok(())
+    let metrics: Vec<[Cell<'_>; METRIC_COLUMNS]> = match session.metrics.is_empty() {
+        true => vec![[Cell::Empty; METRIC_COLUMNS]],
+        false => session.metrics.iter().map(cells).collect(),
+    };
+    table.group(&of_session, metrics.iter().map(|row| &row[..]))
 }
 
-fn cells(measured: &Measured) -> [Cell<'_>; 11] {
+fn cells(measured: &Measured) -> [Cell<'_>; METRIC_COLUMNS] {
     let metric = &measured.metric;
     [
         Cell::Text(&metric.id),

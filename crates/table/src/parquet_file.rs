@@ -112,15 +112,22 @@ impl<W: Write + Send> ParquetFile<W> {
         })
     }
 
-    pub fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), ParquetError> {
-        for (column, cell) in self.columns.iter_mut().zip(cells) {
-            column.push(*cell);
+    pub fn group<'a>(
+        &mut self,
+        common: &[Cell<'_>],
+        rows: impl Iterator<Item = &'a [Cell<'a>]>,
+    ) -> Result<(), ParquetError> {
+        for row in rows {
+            let cells = common.iter().chain(row);
+            for (column, cell) in self.columns.iter_mut().zip(cells) {
+                column.push(*cell);
+            }
+            self.rows += 1;
+            if self.rows == GROUP {
+                self.write_group()?;
+            }
         }
-        self.rows += 1;
-        match self.rows {
-            GROUP => self.write_group(),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     fn write_group(&mut self) -> Result<(), ParquetError> {
