@@ -2,47 +2,31 @@
 
 use crate::picture::{Item, Shape};
 use microsim_message::{ObjectScene, ObjectState, Shape as ObjectShape};
-use microsim_model::{self as model, ModelError, Part, Texture};
+use microsim_model::{Part, read};
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-/// Models and textures by the names of their files.
+/// Models by the names of their files.
 #[derive(Debug, Default)]
-pub struct Models {
-    models: BTreeMap<String, Vec<(Part, Option<Arc<Texture>>)>>,
-    textures: BTreeMap<String, Arc<Texture>>,
-}
+pub struct Models(BTreeMap<String, Vec<Part>>);
 
 impl Models {
-    /// Of files by their names; one that a model names is `MODEL/NAME`.
+    /// Of files by their names; one that a model names is `MODEL/NAME`. Textures are left out: the renderer draws none yet.
     ///
     /// # Errors
     /// The name of a file that is refused, and why.
     pub fn new(files: &[(&str, &[u8])]) -> Result<Self, String> {
-        let mut found = Self::default();
-        let whole = files.iter().filter(|(name, _)| !name.contains('/'));
-        for (name, bytes) in whole {
-            let refused = |error: ModelError| format!("{name}: {error}");
-            if name.ends_with(".png") {
-                let texture = model::read_texture(bytes).map_err(refused)?;
-                found.textures.insert((*name).to_owned(), Arc::new(texture));
-                continue;
-            }
+        let is_model = |name: &str| !name.contains('/') && !name.ends_with(".png");
+        let mut found = BTreeMap::new();
+        for (name, bytes) in files.iter().filter(|(name, _)| is_model(name)) {
             let beside = |reference: &str| {
                 let whole = format!("{name}/{reference}");
                 let file = files.iter().find(|(other, _)| *other == whole);
                 file.map(|(_, bytes)| *bytes)
             };
-            let model = model::read(name, bytes, &beside).map_err(refused)?;
-            let textures: Vec<Arc<Texture>> =
-                model.textures.iter().cloned().map(Arc::new).collect();
-            let parts = model.placed().into_iter().map(|part| {
-                let texture = part.texture.and_then(|at| textures.get(at)).cloned();
-                (part, texture)
-            });
-            found.models.insert((*name).to_owned(), parts.collect());
+            let model = read(name, bytes, &beside).map_err(|error| format!("{name}: {error}"))?;
+            found.insert((*name).to_owned(), model.placed());
         }
-        Ok(found)
+        Ok(Self(found))
     }
 
     /// What is to be drawn of the objects that are models, each part where the object is. A part's own colour is multiplied by the object's.
@@ -52,28 +36,19 @@ impl Models {
     }
 
     fn object(&self, object: &ObjectState) -> Vec<Item> {
-        let ObjectShape::Model {
-            model,
-            scale,
-            texture,
-        } = &object.shape
-        else {
+        let ObjectShape::Model { model, scale, .. } = &object.shape else {
             return Vec::new();
         };
-        let parts = self.models.get(model).into_iter().flatten();
-        let given = texture.as_ref().and_then(|name| self.textures.get(name));
-        let items = parts.map(|(part, own)| {
+        let scale = *scale as f32;
+        let parts = self.0.get(model).into_iter().flatten();
+        let items = parts.map(|part| {
             let positions = part.positions.iter();
-            let scale = *scale as f32;
             let shape = Shape::Mesh {
                 positions: positions.map(|p| p.map(|x| scale * x)).collect(),
                 triangles: part.triangles.clone(),
             };
             let tint = part.colour.map_or([1.0; 3], |colour| colour.map(srgb));
             let colour = std::array::from_fn(|k| object.colour[k] as f32 * tint[k]);
-            let _texture = given
-                .or(own.as_ref())
-                .filter(|_| !part.coordinates.is_empty());
             let item = Item::new(shape, [0.0; 3], colour, object.finish);
             item.at(object.pose.position, object.pose.orientation)
         });
