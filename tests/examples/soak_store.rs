@@ -21,8 +21,8 @@ fn report(found: &KilledRuns, trainees: usize, seed: u64) -> String {
         "# Sessions and the store, with `kill -9` in between
 
 Command: `cargo xtask soak store`. {runs} runs of level 1 of touch-spheres of {trainees} trainees, every third by a script that fails, two at a time on one
-store; every other one is killed at a moment that is random (seed {seed}) over 1.2 times the length of a run that has the machine alone. The store is then
-compared with one that the sessions alone give.
+store. Every other one is killed: half of these at a moment that is random (seed {seed}) over 1.2 times the length of a run that has the machine alone, half
+up to 60 ms after its session has an end, while its report is written or its result entered. The store is then compared with one that the sessions alone give.
 
 | | |
 |---|---|

@@ -128,8 +128,21 @@ impl KilledRuns {
     }
 }
 
-/// Runs `runs` sessions of `trainees` trainees, two at a time on one store, and kills one of each two at a moment that is random over a
-/// little more than the length of a run.
+/// When a run is killed.
+#[derive(Clone, Copy, Debug)]
+enum Kill {
+    Never,
+    /// So long after its start.
+    Started(Duration),
+    /// So long after its session was seen with an end: while the report is made, or the result entered.
+    Ended(Duration),
+}
+
+/// Longest time after the end of a session at which a run is killed: in it reports are written and the result is entered.
+const AFTER_END: Duration = Duration::from_millis(60);
+
+/// Runs `runs` sessions of `trainees` trainees, two at a time on one store, and kills one of each two: of these in turn one at a moment that is
+/// random over a little more than the length of a run, and one up to [`AFTER_END`] after its session has an end.
 ///
 /// # Panics
 /// If the program cannot be run.
@@ -156,32 +169,47 @@ pub fn killed_runs(runs: usize, trainees: usize, seed: u64) -> KilledRuns {
     });
     let mut random = SplitMix64(seed);
     let mut killed = 0;
-    let mut open: Vec<(Child, Option<Duration>, Instant)> = Vec::new();
+    let mut open: Vec<(usize, Child, Kill, Instant)> = Vec::new();
     let mut next = 2;
     while next < runs || !open.is_empty() {
         while next < runs && open.len() < 2 {
-            // Every other one, up to a fifth after the time that it takes alone; beside another it takes longer.
-            let length = lengths[usize::from(!fails(next))];
-            let part = 1.2e-6 * random.below(1_000_000) as f64;
-            let kill = (next % 2 == 1).then(|| length.mul_f64(part));
-            open.push((start_run(next), kill, Instant::now()));
+            let mut part = || 1e-6 * random.below(1_000_000) as f64;
+            let kill = match next % 4 {
+                // Up to a fifth after the time that it takes alone; beside another it takes longer.
+                1 => Kill::Started(lengths[usize::from(!fails(next))].mul_f64(1.2 * part())),
+                3 => Kill::Ended(AFTER_END.mul_f64(part())),
+                _ => Kill::Never,
+            };
+            open.push((next, start_run(next), kill, Instant::now()));
             next += 1;
         }
-        open.retain_mut(|(child, kill, since)| {
+        open.retain_mut(|(n, child, kill, since)| {
             if child.try_wait().expect("a process").is_some() {
                 return false;
             }
-            if kill.is_some_and(|kill| since.elapsed() >= kill) {
-                child.kill().expect("SIGKILL is sent");
-                child.wait().expect("the process ends");
-                killed += 1;
-                return false;
+            match *kill {
+                Kill::Started(after) if since.elapsed() >= after => {}
+                // From here on the time counts from the end.
+                Kill::Ended(after) if has_end(&station.session(&n.to_string())) => {
+                    (*kill, *since) = (Kill::Started(after), Instant::now());
+                    return true;
+                }
+                _ => return true,
             }
-            true
+            child.kill().expect("SIGKILL is sent");
+            child.wait().expect("the process ends");
+            killed += 1;
+            false
         });
         std::thread::sleep(Duration::from_millis(1));
     }
     examine(&station, runs, killed)
+}
+
+/// Whether a session can be read to its end.
+fn has_end(path: &Path) -> bool {
+    let bytes = fs::read(path).unwrap_or_default();
+    Session::read(&bytes).is_ok_and(|session| session.end.is_some())
 }
 
 fn examine(station: &Station, runs: usize, killed: usize) -> KilledRuns {

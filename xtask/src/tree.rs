@@ -198,7 +198,7 @@ fn is_library(place: &Path) -> bool {
     name.starts_with(DLL_PREFIX) && name.ends_with(DLL_SUFFIX)
 }
 
-/// Whether a file decides what a level is: manifests of modules, their levels and meshes, shapes of tools, vessels.
+/// Whether a file decides what a level is: manifests of modules, their levels, meshes, models and textures, shapes of tools, vessels.
 fn decides_level(place: &Path) -> bool {
     let parts: Vec<_> = place.iter().filter_map(|part| part.to_str()).collect();
     matches!(
@@ -206,6 +206,8 @@ fn decides_level(place: &Path) -> bool {
         ["modules", _, "module.toml"]
             | ["modules", _, "levels", _]
             | ["modules", _, "levels", "meshes", _]
+            | ["modules", _, "assets", _]
+            | ["assets", _]
             | ["config", "tools" | "vessels", _]
     )
 }

@@ -1,6 +1,7 @@
 //! `microsim calibrate`: tips of instruments and places of trackers, into the calibration of this station.
 
 use crate::cli::{CalibrateCommand, ListenArgs, PivotArgs, Place, WorkspaceArgs};
+use crate::date;
 use crate::folders::Folders;
 use crate::listen::{device_of, listen, translator, without_markers};
 use crate::output::{Exit, Problem, print, print_json};
@@ -15,7 +16,6 @@ use microsim_tracking::{Dwell, Pair, Pivot, Registration, dwells, pivot, registe
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 /// How long a live source is listened to where nothing else is asked for \[s\].
 const SECONDS: f64 = 20.0;
@@ -142,6 +142,16 @@ fn nothing_of(device: &str, samples: &[(f64, InputSample)]) -> String {
     }
 }
 
+/// The residuals of a fit \[m\], and what they mean.
+fn residual_line(rms: f64, worst: f64, limit: f64, beyond: &str) -> String {
+    format!(
+        "  residual   {:.3} mm root mean square, {:.3} mm at most: {}",
+        1e3 * rms,
+        1e3 * worst,
+        verdict(rms, limit, beyond)
+    )
+}
+
 fn pivot_lines(device: &str, found: &Pivot, limit: f64, hidden: usize) -> Vec<String> {
     let [x, y, z] = found.tip.map(|x| 1e3 * x);
     let beyond = "the tip did not stand still, or the tracker jitters";
@@ -156,12 +166,7 @@ fn pivot_lines(device: &str, found: &Pivot, limit: f64, hidden: usize) -> Vec<St
             found.spread.to_degrees()
         ),
         format!("  tip        ({x:.3}, {y:.3}, {z:.3}) mm in the frame of the handle"),
-        format!(
-            "  residual   {:.3} mm root mean square, {:.3} mm at most: {}",
-            1e3 * found.rms,
-            1e3 * found.worst(),
-            verdict(found.rms, limit, beyond)
-        ),
+        residual_line(found.rms, found.worst(), limit, beyond),
         format!(
             "  error      {:.3} mm (standard error of the tip)",
             1e3 * found.tip_error()
@@ -235,12 +240,7 @@ fn workspace_lines(
             "  translation ({x:.3}, {y:.3}, {z:.3}) mm, scale {:.5}",
             found.scale
         ),
-        format!(
-            "  residual   {:.3} mm root mean square, {:.3} mm at most: {}",
-            1e3 * found.rms,
-            1e3 * found.worst(),
-            verdict(found.rms, limit, beyond)
-        ),
+        residual_line(found.rms, found.worst(), limit, beyond),
         format!(
             "  error      {:.3} mm expected in the middle of the points",
             1e3 * error
@@ -417,42 +417,12 @@ fn parse_columns<const N: usize>(
 
 /// The date, UTC.
 fn today() -> String {
-    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-    date(since.map_or(0, |since| since.as_secs() / 86_400))
-}
-
-/// The date of a day since 1970-01-01, by years of 400 from 1 March of year 0 (Hinnant, chrono-compatible low-level date algorithms).
-fn date(days: u64) -> String {
-    let days = days + 719_468;
-    let (era, day) = (days / 146_097, days % 146_097);
-    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
-    let of_year = day - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    let year = year + 400 * era + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}")
+    date::iso(date::now()).chars().take(10).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Against the calendar: leap days of 2000 and 2024, none in 2100.
-    #[test]
-    fn days_are_dates() {
-        for (day, expected) in [
-            (0, "1970-01-01"),
-            (11_016, "2000-02-29"),
-            (11_017, "2000-03-01"),
-            (19_782, "2024-02-29"),
-            (20_782, "2026-11-25"),
-            (47_540, "2100-02-28"),
-            (47_541, "2100-03-01"),
-        ] {
-            assert_eq!(date(day), expected);
-        }
-    }
 
     #[test]
     fn columns_are_found_by_name_and_faults_have_their_line() {

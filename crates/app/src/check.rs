@@ -9,14 +9,15 @@ use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
 use crate::working_step;
 use microsim_host::assemble::{
-    Input, Installation, OF_STATION, Request, assemble, check_library, known_metrics,
+    ASSETS, Assets, Input, Installation, OF_STATION, Request, assemble, check_library,
+    known_metrics,
 };
 use microsim_host::record::Session;
 use microsim_host::run::RunError;
 use microsim_host::{Engine, loader};
-use microsim_settings::{self as settings, Override};
+use microsim_settings::{self as settings, Level, Loaded, Override};
 use serde_json::json;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What was looked at, and what is wrong with it.
@@ -101,6 +102,7 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         findings.note(path.display().to_string(), check_setting(&path));
     }
     findings.warnings.extend(not_replaced(installation));
+    findings.warnings.extend(idle_clutches(installation));
     for path in files_in(&config.join("tools"), "toml") {
         let tool = settings::load_tool(&path);
         findings.note(
@@ -187,6 +189,50 @@ fn not_replaced(installation: &Installation) -> Vec<String> {
         )
     };
     there.map(sentence).collect()
+}
+
+/// Tools that clutches of this station hold and that no level has, and clutches that drive a tool of a level by their own name.
+fn idle_clutches(installation: &Installation) -> Vec<String> {
+    let path = installation.setting("translator.toml");
+    let Ok(translator) = settings::load_translator(&path) else {
+        // Complained of where it is checked.
+        return Vec::new();
+    };
+    let mut slots = BTreeSet::new();
+    for folder in &installation.tree.modules {
+        let name = &folder.manifest.settings.name;
+        let levels = (1..).zip(&folder.levels);
+        let levels = levels.filter_map(|(number, _)| installation.level(name, number).ok());
+        for level in levels {
+            slots.extend(level.settings.tool.iter().map(|slot| slot.name.clone()));
+        }
+    }
+    let mut found = Vec::new();
+    let clutches = translator.settings.clutch.iter().enumerate();
+    for (index, clutch) in clutches {
+        let key = settings::KeyPath::root().key("clutch").at(index);
+        let mut warn = |field: &str, sentence: String| {
+            let place = translator.document.place(&key.key(field));
+            found.push(format!("{place}: {sentence}"));
+        };
+        let idle = clutch.tool.iter().filter(|tool| !slots.contains(*tool));
+        for tool in idle {
+            warn(
+                "tool",
+                format!("no level has a tool `{tool}`, which the clutch would hold"),
+            );
+        }
+        if slots.contains(&clutch.device) {
+            warn(
+                "device",
+                format!(
+                    "`{}` drives the tool of its own name as well",
+                    clutch.device
+                ),
+            );
+        }
+    }
+    found
 }
 
 /// A file of those that a station may replace.
@@ -328,7 +374,7 @@ fn check_folder(place: &Place, folder: &Path, findings: &mut Findings) {
         // The two files of a TetGen mesh are checked together.
         let half = extension == "node" && path.with_extension("ele").is_file();
         let known = match extension.as_ref() {
-            "toml" | "session" => true,
+            "toml" | "session" | "glb" | "gltf" => true,
             "csv" => path.with_extension("toml").is_file(),
             _ => mesh_file::is_mesh(&path),
         };
@@ -464,7 +510,9 @@ fn check_file(
             let vessels = vessels?.with_file_name("vessels");
             let manifest = &manifest.settings;
             let level = settings::load_level_with(path, manifest, &known_metrics(), &vessels);
-            scene_file::check_level(&level.map_err(text)?, &BTreeMap::new(), Meshes::Estimated)
+            let level = level.map_err(text)?;
+            check_assets(place, path, &level)?;
+            scene_file::check_level(&level, &BTreeMap::new(), Meshes::Estimated)
         }
         (_, _, "toml") if path.with_extension("csv").is_file() => {
             settings::load_recording_map(&path.with_extension("csv"))
@@ -485,13 +533,30 @@ fn check_file(
             }
         }
         (_, _, "session") => check_session(path),
+        (_, _, "glb" | "gltf" | "png") => Assets::check(path).map(nothing),
         _ if is_session(path) => check_session(path),
         _ if mesh_file::is_mesh(path) => mesh_file::check(path),
         _ => Err(format!(
-            "{}: neither TOML, CSV, a mesh nor a session",
+            "{}: neither TOML, CSV, a mesh, a model, a texture nor a session",
             path.display()
         )),
     }
+}
+
+/// The files of models and textures that a level in a file by itself names.
+fn check_assets(place: &Place, path: &Path, level: &Loaded<Level>) -> Result<(), String> {
+    if level.settings.object_files().is_empty() {
+        return Ok(());
+    }
+    let module = path.parent().and_then(Path::parent);
+    let own = module.unwrap_or(Path::new("")).join(ASSETS);
+    let root = installation(place).map_err(|problem| match problem {
+        Problem::Text(text) => text,
+        Problem::BrokenPipe => String::new(),
+    });
+    let folders = [own, root?.root.join(ASSETS)];
+    let read = Assets::read(&folders, level);
+    read.map(drop).map_err(|e| e.to_string())
 }
 
 fn check_session(path: &Path) -> Result<Vec<String>, String> {

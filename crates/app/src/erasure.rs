@@ -6,7 +6,7 @@ use crate::folders::Folders;
 use crate::names::name_or_id;
 use crate::output::{Exit, Problem, print, print_json};
 use crate::progress::Progress;
-use crate::records::{find, open};
+use crate::records::{find, open, text};
 use crate::session_file::{is_session, open as open_session};
 use crate::sessions::{files_beside, sessions_below};
 use microsim_settings::unwritable;
@@ -58,18 +58,24 @@ fn belongings(place: &Place, store: &Store, trainee: &Trainee) -> Result<Belongi
         if of.is_some() || !path.exists() {
             let beside = files_beside(path);
             let all = std::iter::once(path.to_path_buf()).chain(beside);
-            found.files.extend(all.filter(|file| file.is_file()));
+            for file in all.filter(|file| file.is_file()) {
+                // Not what a report of somebody else has replaced since.
+                if !store.is_of_another(&text(&file), trainee.id)? {
+                    found.files.insert(file);
+                }
+            }
         }
+        Ok::<(), Problem>(())
     };
     let known: BTreeSet<PathBuf> = sessions
         .iter()
         .map(|s| PathBuf::from(&s.session.path))
         .collect();
-    known.iter().for_each(|path| take(path));
+    known.iter().try_for_each(|path| take(path))?;
     let folder = Folders::of(place)?.sessions();
     for path in sessions_below(&folder) {
         if !known.contains(&path) && is_of(&path, trainee).is_some() {
-            take(&path);
+            take(&path)?;
         }
     }
     for named in &sessions {

@@ -189,7 +189,7 @@ impl RunRecord {
             let files: Vec<String> = files.iter().map(|file| text(file)).collect();
             match files.is_empty() {
                 true => Ok(()),
-                false => store.attach(entry.id, &files),
+                false => store.attach(entry.id, &files, &beside(session)),
             }
         });
         Some(entered.map_err(|e| {
@@ -391,7 +391,8 @@ fn entry(recorded: &Recorded, report: &Report, path: &Path) -> Session {
                 direction: record.direction.clone(),
                 category: record.category.clone(),
                 formula: record.formula.clone(),
-            },
+            }
+            .into(),
             value: record.value,
             min: limit.and_then(|limit| limit.min),
             max: limit.and_then(|limit| limit.max),
@@ -464,22 +465,23 @@ pub fn name_of(place: &Place, recorded: &Recorded) -> Option<String> {
     Some(shown(&name))
 }
 
-/// Notes files that were made of a session and do not lie beside it, so that they go with it. Only tried: the store may not be there.
+/// The files beside a session, as the store would have them.
+fn beside(session: &Path) -> [String; 4] {
+    files_beside(session).map(|path| text(&path))
+}
+
+/// Notes files that were made of a session, so that those that do not lie beside it go with it, and with no other whose files they have replaced. Only tried: the store may not be there.
 pub fn attach(place: &Place, recorded: &Recorded, session: &Path, files: &[&Path]) {
     let id = recorded.header.id.as_deref().and_then(Id::parse);
     let (Some(id), Ok(folders)) = (id, Folders::of(place)) else {
         return;
     };
-    let beside = files_beside(session).map(|path| text(&path));
     let files: Vec<String> = files.iter().map(|path| text(path)).collect();
-    let files: Vec<String> = files
-        .into_iter()
-        .filter(|file| !beside.contains(file))
-        .collect();
     if files.is_empty() || !folders.store().exists() {
         return;
     }
-    let attached = Store::open(&folders.store()).and_then(|mut store| store.attach(id, &files));
+    let attached = Store::open(&folders.store())
+        .and_then(|mut store| store.attach(id, &files, &beside(session)));
     if let Err(why) = attached {
         tracing::warn!("not noted in the store: {why}");
     }

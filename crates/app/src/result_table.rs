@@ -45,6 +45,9 @@ const COLUMNS: [Column; 28] = [
     column("score", Kind::Real),
 ];
 
+/// How many of the columns, the last ones, are of a metric.
+const METRIC_COLUMNS: usize = 11;
+
 /// An error of the store or of the table.
 struct Failure(String);
 
@@ -127,20 +130,14 @@ fn rows<W: Write + Send>(
         Cell::Real(session.duration),
         session.score.into(),
     ];
-    let whole = |of_metric: &[Cell<'_>], table: &mut TableWriter<W>| {
-        let mut row = of_session.to_vec();
-        row.extend_from_slice(of_metric);
-        row.resize(COLUMNS.len(), Cell::Empty);
-        table.row(&row)
+    let metrics: Vec<[Cell<'_>; METRIC_COLUMNS]> = match session.metrics.is_empty() {
+        true => vec![[Cell::Empty; METRIC_COLUMNS]],
+        false => session.metrics.iter().map(cells).collect(),
     };
-    if session.metrics.is_empty() {
-        return whole(&[], table);
-    }
-    let mut metrics = session.metrics.iter();
-    metrics.try_for_each(|measured| whole(&of_metric(measured), table))
+    table.group(&of_session, metrics.iter().map(|row| &row[..]))
 }
 
-fn of_metric(measured: &Measured) -> [Cell<'_>; 11] {
+fn cells(measured: &Measured) -> [Cell<'_>; METRIC_COLUMNS] {
     let metric = &measured.metric;
     [
         Cell::Text(&metric.id),

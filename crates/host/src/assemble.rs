@@ -3,6 +3,7 @@
 //! Only what a scene needs: the run brings source and recorder (and renderer, if pictures are wanted), the module's
 //! manifest names the other plugins, the level the objects, bodies and contacts. Nothing else is loaded.
 
+pub use crate::assets::{ASSETS, Assets};
 pub use crate::input::check_recording;
 pub use crate::installation::{
     Guests, HASHES, Installation, Isolate, OF_STATION, Places, known_metrics,
@@ -19,9 +20,9 @@ use microsim_settings as settings;
 use serde_json::Value;
 use settings::{
     Calibration, Level, Loaded, Manifest, ModuleConfig, ModuleFolder, ObjectsConfig, PhysicsConfig,
-    RecorderConfig, RendererConfig, ToolModels, TranslatorConfig, translator_parts,
+    RecorderConfig, RendererConfig, ToolModels, Translator, TranslatorConfig, translator_parts,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Plugin that writes sessions.
@@ -38,6 +39,7 @@ pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPla
         request,
         module,
         models: tool_models(installation, &level.settings)?,
+        assets: Assets::read(&asset_folders(installation, module), &level)?,
         level,
         source: source_setup(installation, request)?,
         calibration: calibration(installation)?,
@@ -78,11 +80,13 @@ pub fn differences(
         session: std::path::PathBuf::new(),
     };
     let level = installation.level(&request.module, request.level)?;
+    let module = installation.module(&request.module)?;
     let planner = Planner {
         installation,
         request: &request,
-        module: installation.module(&request.module)?,
+        module,
         models: tool_models(installation, &level.settings)?,
+        assets: Assets::read(&asset_folders(installation, module), &level)?,
         level,
         source: SourceSetup {
             plugin: source.name.clone(),
@@ -161,12 +165,19 @@ fn tool_models(installation: &Installation, level: &Level) -> Result<ToolModels,
     Ok(models)
 }
 
+/// Where files of models and textures of a module are looked for.
+pub fn asset_folders(installation: &Installation, module: &ModuleFolder) -> Vec<PathBuf> {
+    let own = module.manifest.document.path().with_file_name(ASSETS);
+    vec![own, installation.root.join(ASSETS)]
+}
+
 struct Planner<'a> {
     installation: &'a Installation,
     request: &'a Request,
     module: &'a ModuleFolder,
     level: Arc<Loaded<Level>>,
     models: ToolModels,
+    assets: Assets,
     source: SourceSetup,
     calibration: Calibration,
 }
@@ -187,7 +198,9 @@ impl Planner<'_> {
         let changed_files = self.installation.changed(
             self.module,
             &self.level.document.path(),
-            tools.chain(vessels),
+            tools
+                .chain(vessels)
+                .chain(self.assets.paths.iter().cloned()),
         )?;
         let mut plan = RunPlan {
             module: self.request.module.clone(),
@@ -228,12 +241,12 @@ impl Planner<'_> {
             };
             let mut planned = planned(self.installation, plugin, why, run, config, files)?;
             if planned.kind == PluginKind::Translator {
-                let config = self.translator()?;
+                let (translator, config) = self.translator()?;
                 if !config.markers.is_empty() {
                     planned.publishes.push(MarkerTracking::KIND.into());
                 }
                 let path = self.installation.calibration.as_deref();
-                let parts = translator_parts(&config, path.unwrap_or(Path::new("")));
+                let parts = translator_parts(&translator, &config, path.unwrap_or(Path::new("")));
                 plan.parts.extend(parts.into_iter().map(PlannedPart::from));
             }
             if plan.plugins.iter().any(|p| p.name == planned.name) {
@@ -294,7 +307,7 @@ impl Planner<'_> {
                 )));
             }
             PluginKind::Translator => {
-                let config = self.translator()?;
+                let (_, config) = self.translator()?;
                 config_value(&config)
             }
             PluginKind::Physics => {
@@ -314,11 +327,12 @@ impl Planner<'_> {
                 let manifest = &self.module.manifest.settings;
                 config_value(&ModuleConfig::new(level, manifest, &self.models))
             }
-            PluginKind::Objects => config_value(&ObjectsConfig::new(level)),
+            PluginKind::Objects => config_value(&ObjectsConfig::new(level, self.assets.digests())),
             PluginKind::Renderer => {
                 let size = &self.installation.host.picture;
                 let size = (size.width, size.height);
-                config_value(&RendererConfig::new(level, &self.models, size))
+                let config = RendererConfig::new(level, &self.models, size);
+                return Ok(Some((config_value(&config), self.assets.files.clone())));
             }
             PluginKind::Recorder => config_value(&RecorderConfig {
                 path: self.request.session.clone(),
@@ -327,18 +341,14 @@ impl Planner<'_> {
         Ok(Some((config, Vec::new())))
     }
 
-    /// What the translator is given.
-    fn translator(&self) -> Result<TranslatorConfig, AssembleError> {
+    /// The translator's file, and what the translator is given of it.
+    fn translator(&self) -> Result<(Translator, TranslatorConfig), AssembleError> {
         let path = self.installation.setting("translator.toml");
         let translator = settings::load_translator(&path)?.settings;
         let devices = self.source.devices.as_deref();
         let tools = &self.level.settings.tool;
-        Ok(TranslatorConfig::new(
-            &translator,
-            &self.calibration,
-            devices,
-            tools,
-        ))
+        let config = TranslatorConfig::new(&translator, &self.calibration, devices, tools);
+        Ok((translator, config))
     }
 
     /// The files that the level names, under the names by which it does.
@@ -378,6 +388,8 @@ pub fn renderer_for(
     let picture = &installation.host.picture;
     let size = size.map_or((picture.width, picture.height), |size| (size, size));
     let config = RendererConfig::new(&level.settings, &models, size);
+    let module = installation.module(&plan.module)?;
+    let assets = Assets::read(&asset_folders(installation, module), &level)?;
     let run = RunSetup {
         seed: plan.seed,
         tick_ns: plan.tick_ns,
@@ -392,7 +404,7 @@ pub fn renderer_for(
         why,
         run,
         config_value(&config),
-        Vec::new(),
+        assets.files,
     )
 }
 

@@ -16,6 +16,7 @@
 )]
 
 pub mod assemble;
+mod assets;
 pub mod engine;
 mod error;
 pub mod fault;

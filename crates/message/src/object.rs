@@ -45,6 +45,15 @@ pub enum Shape {
         /// From end to end \[m\].
         length: f64,
     },
+    /// What a file of the level holds, about its origin. Whoever draws it has the file.
+    Model {
+        /// Name of the file.
+        model: String,
+        /// Metres in a unit of the file.
+        scale: f64,
+        /// Name of the picture on it, if that is not one of its own.
+        texture: Option<String>,
+    },
 }
 
 /// Changes an object, or the colour of a rigid obstacle; what is `None` stays.

@@ -19,6 +19,7 @@
 mod error;
 mod image;
 mod light;
+mod models;
 mod picture;
 mod pipelines;
 mod renderer;
@@ -33,5 +34,6 @@ pub use error::RenderError;
 pub use image::Image;
 pub use light::{KEY_LIGHT_AZIMUTH, KEY_LIGHT_ZENITH, SHADOW_LEVEL, key_light_direction};
 pub use microsim_vocabulary::Finish;
+pub use models::Models;
 pub use picture::{DRAPE, Item, Picture, Shape, View};
 pub use renderer::Renderer;

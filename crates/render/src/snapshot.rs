@@ -33,7 +33,7 @@ pub fn picture<'a>(
     }
 }
 
-/// What is in the field: objects, bodies, tools, in this order.
+/// What is in the field: objects, bodies, tools, in this order; objects from files are those of [`Models`](crate::Models).
 pub fn items<'a>(
     config: &RendererConfig,
     objects: &ObjectScene,
@@ -42,7 +42,9 @@ pub fn items<'a>(
     blocks: impl Iterator<Item = BlockView<'a>>,
 ) -> Vec<Item> {
     let objects = objects.objects.iter();
-    let mut items: Vec<Item> = objects.map(|o| object(o, config.view.field)).collect();
+    let mut items: Vec<Item> = objects
+        .filter_map(|o| object(o, config.view.field))
+        .collect();
     items.extend(
         blocks
             .filter_map(|block| body(&block, &config.bodies))
@@ -70,13 +72,13 @@ fn colour(colour: settings::Colour) -> [f32; 3] {
     colour.srgb().map(|c| c as f32)
 }
 
-/// An object in the field of view of this diameter \[m\].
-fn object(object: &ObjectState, field: f64) -> Item {
+/// An object in the field of view of this diameter \[m\]; none if it is a model from a file.
+fn object(object: &ObjectState, field: f64) -> Option<Item> {
     let (position, orientation) = (object.pose.position, object.pose.orientation);
     let colour = object.colour.map(|c| c as f32);
     let finish = object.finish;
     let item = |shape| Item::new(shape, position, colour, finish).at(position, orientation);
-    match object.shape {
+    let item = match object.shape {
         message::Shape::Sphere { radius } => item(Shape::Sphere { radius }),
         message::Shape::Capsule { radius, length } => item(Shape::Capsule {
             a: [0.0, 0.0, -0.5 * length],
@@ -94,7 +96,9 @@ fn object(object: &ObjectState, field: f64) -> Item {
             let height = length;
             item(Shape::Cylinder { radius, height }).raised(-0.5 * length)
         }
-    }
+        message::Shape::Model { .. } => return None,
+    };
+    Some(item)
 }
 
 /// A tool at a pose and opening, as its capsules.

@@ -47,7 +47,9 @@ impl Exercise for TouchOnce {
 
     fn new(_: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault> {
         let sphere = config.objects.iter().find(|object| object.name == "sphere");
-        let Some((centre, Shape::Sphere { radius })) = sphere.map(|o| (o.position, o.shape)) else {
+        let Some((centre, Shape::Sphere { radius })) =
+            sphere.map(|o| (o.position, o.shape.clone()))
+        else {
             return Err(Fault::new("the level needs a sphere of this name"));
         };
         let exercise = Self {

@@ -113,6 +113,7 @@ fn form_pattern(form: Form) -> &'static str {
     match form {
         Form::Identifier => "^[a-z][a-z0-9]*(-[a-z0-9]+)*$",
         Form::Symbol => "^[a-z][a-z0-9]*(_[a-z0-9]+)*$",
+        Form::FileName => "^[a-z0-9][a-z0-9_-]*\\.[a-z0-9]+$",
         Form::Message => "^[a-z][a-z0-9-]*(\\.[a-z][a-z0-9-]*)+$",
         Form::Version => "^\\d+\\.\\d+\\.\\d+$",
         Form::RelativePath => "^(?!(.*/)?\\.{0,2}(/|$))[^\\\\:]+$",

@@ -99,6 +99,17 @@ impl Level {
         });
         files.collect()
     }
+
+    /// The files of models and textures that objects name, with the keys that name them.
+    pub fn object_files(&self) -> Vec<(KeyPath, String)> {
+        let objects = self.object.iter().enumerate();
+        let files = objects.flat_map(|(index, object)| {
+            let key = KeyPath::root().key("object").at(index);
+            let files = object.files().into_iter();
+            files.map(move |(name, file)| (key.key(name), file.to_owned()))
+        });
+        files.collect()
+    }
 }
 
 /// How far the mesh is off, what would be allowed, and what locking costs; what follows a sentence. Empty if nothing was measured.

@@ -3,21 +3,34 @@
 use crate::calibration::{TipCalibration, WorkspaceCalibration};
 use crate::explain::LevelPart;
 use crate::plugin_config::TranslatorConfig;
-use crate::translator::{Filter, MarkerTool};
+use crate::translator::{DominantHand, Filter, MarkerTool, TrackingBox, Translator};
 use std::path::Path;
 
 /// Speed for which a delay is stated beside that at rest \[m/s\].
 const MOVING: f64 = 0.05;
 
 /// The parts of a translator that are not there by themselves; `calibration` is the file that calibrations come from.
-pub fn translator_parts(config: &TranslatorConfig, calibration: &Path) -> Vec<LevelPart> {
+/// What `translator` states of the trainee's hand and of boxes is in the maps of `config`.
+pub fn translator_parts(
+    translator: &Translator,
+    config: &TranslatorConfig,
+    calibration: &Path,
+) -> Vec<LevelPart> {
     let part = |what, name: &str, why| LevelPart {
         what,
         name: name.to_owned(),
         why,
     };
     let mut parts = Vec::new();
+    if translator.dominant == DominantHand::Left {
+        let why = "config/translator.toml has it; the devices of the slots left and right have changed places";
+        parts.push(part("hand", "left", why.to_owned()));
+    }
     for device in &config.devices {
+        let boxes = translator.tracking_box.iter();
+        for space in boxes.filter(|space| space.device == device.name) {
+            parts.push(part("box", &device.name, box_words(space)));
+        }
         if let Some(tip) = config.tip(&device.name) {
             parts.push(part("tip", &device.name, tip_words(tip, calibration)));
         }
@@ -45,6 +58,15 @@ pub fn translator_parts(config: &TranslatorConfig, calibration: &Path) -> Vec<Le
 fn millimetres(vector: [f64; 3]) -> String {
     let [x, y, z] = vector.map(|x| format!("{:.2}", 1e3 * x));
     format!("({x}, {y}, {z}) mm")
+}
+
+fn box_words(space: &TrackingBox) -> String {
+    let [width, depth, height] = space.size.map(|side| 100.0 * side);
+    format!(
+        "config/translator.toml lists it; {width:.1} × {depth:.1} × {height:.1} cm, of which the width is {:.1} mm in the field, scale {:.4}",
+        1e3 * space.field_width,
+        space.scale()
+    )
 }
 
 fn tip_words(tip: &TipCalibration, file: &Path) -> String {

@@ -89,6 +89,11 @@ pub(crate) fn symbol() -> Kind {
     Kind::Name(Form::Symbol)
 }
 
+/// The name of a file, without a folder.
+pub(crate) fn file_name() -> Kind {
+    Kind::Name(Form::FileName)
+}
+
 /// The name of a message kind.
 pub(crate) fn message_kind() -> Kind {
     Kind::Name(Form::Message)

@@ -8,7 +8,8 @@ use crate::body::Body;
 use crate::colour::Colour;
 use crate::contact::{BroadPhase, ContactPair, CutPair};
 use crate::kinds::{
-    dependent, identifier, own_defaults, point, quantity, rotation, size, size3, time, vector3,
+    dependent, file_name, identifier, own_defaults, point, quantity, rotation, size, size3, time,
+    vector3,
 };
 use crate::method::{Accuracy, Method, Tuned};
 use crate::rigid::Rigid;
@@ -131,7 +132,7 @@ pub struct Object {
 }
 
 /// Form and size of a virtual object, about its centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// All points within the radius.
     Sphere {
@@ -157,6 +158,15 @@ pub enum Shape {
         /// Radius of the tube \[m\].
         tube: f64,
     },
+    /// What a file holds, about its origin.
+    Model {
+        /// Name of the file.
+        model: String,
+        /// Metres in a unit of the file.
+        scale: f64,
+        /// Name of the picture on its surface, if it is not one of the file's own.
+        texture: Option<String>,
+    },
 }
 
 table! {
@@ -176,6 +186,15 @@ table! {
         tube: Option<f64> = size(),
         /// Of a box, and only there \[m\]: half of each side.
         half_size: Option<[f64; 3]> = size3(),
+        /// Of a model, and only there: its file, which is looked for in the folder `assets` of the module, then in that of the installation.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        model: Option<String> = file_name(),
+        /// Of a model, and only there: metres in a unit of its file; 1 if left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scale: Option<f64> = quantity(Unit::Ratio, 1e-6, 1e3),
+        /// Of a model with texture coordinates, and only there: the file of a picture, in the place of its own.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        texture: Option<String> = file_name(),
         /// Of its centre, in the frame of the parent \[m\].
         position: [f64; 3] = point() => [0.0, 0.0, 0.0],
         /// Rotation [x, y, z, w] from its own frame to that of the parent.
@@ -202,6 +221,8 @@ terms! {
         Box = "box",
         /// A torus around z.
         Ring = "ring",
+        /// Triangles from a file.
+        Model = "model",
     }
 }
 
@@ -218,7 +239,17 @@ impl TryFrom<ObjectFile> for Object {
 
     fn try_from(file: ObjectFile) -> Result<Self, String> {
         let sizes = (file.radius, file.length, file.tube, file.half_size);
+        let of_file = (file.model, file.scale, file.texture);
+        let is_model = file.shape == ShapeName::Model;
         let shape = match (file.shape, sizes) {
+            (ShapeName::Model, (None, None, None, None)) if of_file.0.is_some() => Shape::Model {
+                model: of_file.0.unwrap_or_default(),
+                scale: of_file.1.unwrap_or(1.0),
+                texture: of_file.2,
+            },
+            _ if is_model || of_file != (None, None, None) => {
+                return Err(format!("keys of `{}` that do not fit its shape", file.name));
+            }
             (ShapeName::Sphere, (Some(radius), None, None, None)) => Shape::Sphere { radius },
             (ShapeName::Capsule, (Some(radius), Some(length), None, None)) => {
                 Shape::Capsule { radius, length }
@@ -258,6 +289,9 @@ impl From<Object> for ObjectFile {
             length: None,
             tube: None,
             half_size: None,
+            model: None,
+            scale: None,
+            texture: None,
             position: object.position,
             orientation: object.orientation,
             parent: object.parent,
@@ -279,12 +313,32 @@ impl From<Object> for ObjectFile {
                 file.shape = ShapeName::Ring;
                 (file.radius, file.tube) = (Some(radius), Some(tube));
             }
+            Shape::Model {
+                model,
+                scale,
+                texture,
+            } => {
+                file.shape = ShapeName::Model;
+                (file.model, file.texture) = (Some(model), texture);
+                file.scale = Some(scale).filter(|scale| *scale != 1.0);
+            }
         }
         file
     }
 }
 
 impl Object {
+    /// Files of its shape, with the keys that name them.
+    pub fn files(&self) -> Vec<(&'static str, &str)> {
+        let Shape::Model { model, texture, .. } = &self.shape else {
+            return Vec::new();
+        };
+        let texture = texture.as_deref().map(|texture| ("texture", texture));
+        std::iter::once(("model", &model[..]))
+            .chain(texture)
+            .collect()
+    }
+
     /// The names of the objects that this makes.
     pub fn names(&self) -> Vec<String> {
         expanded_names(&self.name, self.count.map(u64::from))

@@ -150,9 +150,23 @@ fn check_shapes(reading: &mut Reading) {
             "sphere" => &["radius"],
             "capsule" => &["radius", "length"],
             "ring" => &["radius", "tube"],
+            "model" => &["model"],
             _ => &["half_size"],
         };
-        for size in ["radius", "length", "tube", "half_size"] {
+        let may: &[&str] = match shape.as_str() {
+            "model" => &["scale", "texture"],
+            _ => &[],
+        };
+        let sizes = [
+            "radius",
+            "length",
+            "tube",
+            "half_size",
+            "model",
+            "scale",
+            "texture",
+        ];
+        for size in sizes.into_iter().filter(|size| !may.contains(size)) {
             let key = object.key(size);
             match (needed.contains(&size), reading.is_written(&key)) {
                 (true, false) => {

@@ -316,14 +316,18 @@ pub struct ObjectsConfig {
     pub objects: Vec<Object>,
     /// Rigid obstacles, which stand.
     pub rigid: Vec<Rigid>,
+    /// Digests of the files of models and textures, hexadecimal, by their names: another file is another plan.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub files: BTreeMap<String, String>,
 }
 
 impl ObjectsConfig {
-    /// Of a level.
-    pub fn new(level: &Level) -> Self {
+    /// Of a level, and the digests of the files that its objects name.
+    pub fn new(level: &Level, files: BTreeMap<String, String>) -> Self {
         Self {
             objects: level.object.clone(),
             rigid: level.rigid.clone(),
+            files,
         }
     }
 }

@@ -48,6 +48,8 @@ pub enum Form {
     Identifier,
     /// Lower-case words joined by underscores: a key, or a library's base name.
     Symbol,
+    /// A file by its plain name, with an ending.
+    FileName,
     /// A message kind: two or more identifiers joined by dots.
     Message,
     /// Three numbers joined by dots.
@@ -194,6 +196,9 @@ impl Form {
         match self {
             Form::Identifier => "a name of lower-case letters, digits and single hyphens",
             Form::Symbol => "a name of lower-case letters, digits and single underscores",
+            Form::FileName => {
+                "the name of a file in lower-case letters, digits, hyphens and underscores, with its ending"
+            }
             Form::Message => "a message kind such as `object.set`",
             Form::Version => "a version such as 0.1.0",
             Form::RelativePath => "a path below this folder, with `/` and without `..`",
@@ -214,6 +219,15 @@ impl Form {
         match self {
             Form::Identifier => text.len() <= 64 && words(text, '-'),
             Form::Symbol => text.len() <= 64 && words(text, '_'),
+            Form::FileName => {
+                let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
+                let stem = |c: char| is_plain(c) || c == '-' || c == '_';
+                text.len() <= 64
+                    && text.starts_with(is_plain)
+                    && text.split_once('.').is_some_and(|(name, ending)| {
+                        name.chars().all(stem) && !ending.is_empty() && ending.chars().all(is_plain)
+                    })
+            }
             Form::Message => {
                 text.len() <= 64 && text.contains('.') && text.split('.').all(|w| words(w, '-'))
             }
@@ -296,6 +310,12 @@ mod tests {
             (Form::Identifier, "größe", false),
             (Form::Symbol, "angle_tolerance", true),
             (Form::Symbol, "angle-tolerance", false),
+            (Form::FileName, "mat_2.glb", true),
+            (Form::FileName, "mat", false),
+            (Form::FileName, "../mat.glb", false),
+            (Form::FileName, "Mat.glb", false),
+            (Form::FileName, ".glb", false),
+            (Form::FileName, "a.b.glb", false),
             (Form::Message, "tool.states", true),
             (Form::Message, "touch-spheres.hit", true),
             (Form::Message, "hit", false),

@@ -311,6 +311,7 @@ pub fn read_translator(text: &str, file: &str) -> Result<Loaded<Translator>, Con
     }
     check_boxes(&mut reading);
     check_markers(&mut reading);
+    check_clutches(&mut reading);
     reading.finish()
 }
 
@@ -327,6 +328,39 @@ fn check_boxes(reading: &mut Reading) {
                 let expected = format!("no `{field}`, which the box of `{name}` states");
                 reading.complain(&key, &format!("`{field}`"), &expected);
             }
+        }
+    }
+}
+
+/// A clutch drives no tool, and is no marker of one: pressing it would move what it holds.
+fn check_clutches(reading: &mut Reading) {
+    let drives: Vec<String> = ["device", "markers"]
+        .into_iter()
+        .zip(["name", "device"])
+        .flat_map(|(list, field)| texts(reading.value(), list, field))
+        .map(|(_, device)| device)
+        .collect();
+    let markers = items(reading.value(), "markers");
+    let markers = markers.flat_map(|(_, tool)| texts(tool, "marker", "name"));
+    let markers: Vec<String> = markers.map(|(_, name)| name).collect();
+    for (index, device) in texts(reading.value(), "clutch", "device") {
+        let found = match (drives.contains(&device), markers.contains(&device)) {
+            (true, _) => format!("`{device}`, which drives a tool"),
+            (_, true) => format!("`{device}`, which is a marker of a tool"),
+            _ => continue,
+        };
+        let key = KeyPath::root().key("clutch").at(index).key("device");
+        reading.complain(&key, &found, "a device of its own, such as a pedal");
+    }
+    let clutches: Vec<ClutchMap> = items(reading.value(), "clutch")
+        .filter_map(|(_, clutch)| serde_json::from_value(clutch.clone()).ok())
+        .collect();
+    for (index, clutch) in clutches.iter().enumerate() {
+        // A device that is not listed drives the tool of its own name.
+        if clutch.tool.contains(&clutch.device) {
+            let found = format!("`{}`, which drives the tool of its own name", clutch.device);
+            let key = KeyPath::root().key("clutch").at(index).key("device");
+            reading.complain(&key, &found, "a device of its own, such as a pedal");
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::store::Store;
 use crate::trainee::{self, Trainee};
 use rusqlite::params;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Version of the fields of [`Document`].
 pub const DOCUMENT_FORMAT: u32 = 1;
@@ -78,27 +79,8 @@ pub struct SessionEntry {
     pub session: Session,
     /// Files that belong to it and do not lie beside it.
     pub files: Vec<String>,
-    /// Values of metrics.
-    pub values: Vec<Value>,
-}
-
-/// The value of a metric.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Value {
-    /// Place of the metric in [`Document::metrics`].
-    pub metric: usize,
-    /// Value; `None`: not applicable.
-    pub value: Option<f64>,
-    /// Smallest value that passes.
-    pub min: Option<f64>,
-    /// Largest value that passes.
-    pub max: Option<f64>,
-    /// Whether the limit decides.
-    pub decides: Option<bool>,
-    /// Whether the value is within the limit.
-    pub within: Option<bool>,
-    /// Score.
-    pub score: Option<f64>,
+    /// Values of metrics, each by its place in [`Document::metrics`].
+    pub values: Vec<Measured<usize>>,
 }
 
 /// How much an import has added.
@@ -232,11 +214,12 @@ impl Store {
             population::put(&transaction, record)?;
             imported.populations += 1;
         }
+        let metrics: Vec<Arc<Metric>> = document.metrics.iter().cloned().map(Arc::new).collect();
         for entry in &document.sessions {
             if session::key(&transaction, entry.session.id)?.is_some() {
                 continue;
             }
-            session::enter(&transaction, &entry.whole(&document.metrics)?)?;
+            session::enter(&transaction, &entry.whole(&metrics)?)?;
             let key = session::key(&transaction, entry.session.id)?;
             for path in &entry.files {
                 transaction.execute(
@@ -260,7 +243,7 @@ impl Store {
 
 impl SessionEntry {
     /// The session with its metrics.
-    fn whole(&self, metrics: &[Metric]) -> Result<Session, StoreError> {
+    fn whole(&self, metrics: &[Arc<Metric>]) -> Result<Session, StoreError> {
         let mut session = self.session.clone();
         for value in &self.values {
             let Some(metric) = metrics.get(value.metric) else {
@@ -271,15 +254,7 @@ impl SessionEntry {
                     metrics.len()
                 ));
             };
-            session.metrics.push(Measured {
-                metric: metric.clone(),
-                value: value.value,
-                min: value.min,
-                max: value.max,
-                decides: value.decides,
-                within: value.within,
-                score: value.score,
-            });
+            session.metrics.push(value.of(Arc::clone(metric)));
         }
         Ok(session)
     }

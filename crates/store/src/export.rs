@@ -1,14 +1,13 @@
 //! Reading the whole store, also one that is damaged.
 
 use crate::course::{Course, Step};
-use crate::document::{
-    CourseEntry, DOCUMENT_FORMAT, Document, Group, SessionEntry, Unlocked, Value,
-};
+use crate::document::{CourseEntry, DOCUMENT_FORMAT, Document, Group, SessionEntry, Unlocked};
 use crate::erase::Erasure;
 use crate::id::Id;
 use crate::population::PopulationRecord;
+use crate::rows::{self, Keyed, MEASURED, METRIC, SESSION};
 use crate::salvage::{Lost, Salvaged, read};
-use crate::session::{Metric, Session, Verdict};
+use crate::session::Metric;
 use crate::store::Store;
 use crate::trainee::{Role, Trainee};
 use std::collections::BTreeMap;
@@ -225,47 +224,19 @@ fn populations(reader: &mut Reader<'_>) -> Vec<PopulationRecord> {
 }
 
 fn sessions(reader: &mut Reader<'_>, ids: &BTreeMap<i64, Id>) -> (Vec<Metric>, Vec<SessionEntry>) {
-    let columns = "key, id, path, trainee, module, level, started, simulated, finished, seed, input, version, realtime, synthetic,
-        state_hash, verdict, counts, failed, duration, targets_done, targets, score";
-    let rows = reader.table("session", "key", columns, |row| {
-        let trainee: Option<i64> = row.get(3)?;
-        let seed: String = row.get(9)?;
-        let verdict: String = row.get(15)?;
-        let failed: String = row.get(17)?;
-        let session = Session {
-            id: row.get(1)?,
-            path: row.get(2)?,
-            trainee: trainee.and_then(|key| ids.get(&key)).copied(),
-            module: row.get(4)?,
-            level: row.get(5)?,
-            started: row.get(6)?,
-            simulated: row.get(7)?,
-            finished: row.get(8)?,
-            seed: seed.parse().unwrap_or_default(),
-            input: row.get(10)?,
-            version: row.get(11)?,
-            realtime: row.get(12)?,
-            synthetic: row.get(13)?,
-            state_hash: row.get(14)?,
-            verdict: Verdict::from_name(&verdict).unwrap_or(Verdict::Incomplete),
-            counts: row.get(16)?,
-            failed: failed.lines().map(str::to_owned).collect(),
-            duration: row.get(18)?,
-            targets_done: row.get(19)?,
-            targets: row.get(20)?,
-            score: row.get(21)?,
-            categories: Vec::new(),
-            metrics: Vec::new(),
-        };
+    let rows = reader.table("session", "key", SESSION, rows::session);
+    let rows = rows.into_iter().map(|(Keyed { key, row }, trainee)| {
+        let mut session = row;
+        session.trainee = trainee.and_then(|key| ids.get(&key)).copied();
         let (files, values) = (Vec::new(), Vec::new());
         let entry = SessionEntry {
             session,
             files,
             values,
         };
-        Ok((row.get::<_, i64>(0)?, entry))
+        (key, entry)
     });
-    let mut sessions: BTreeMap<i64, SessionEntry> = rows.into_iter().collect();
+    let mut sessions: BTreeMap<i64, SessionEntry> = rows.collect();
     let scores = reader.table(
         "category_score",
         "session",
@@ -285,44 +256,15 @@ fn sessions(reader: &mut Reader<'_>, ids: &BTreeMap<i64, Id>) -> (Vec<Metric>, V
             entry.files.push(path);
         }
     }
-    let columns =
-        "key, id, title, unit, display_unit, display_factor, direction, category, formula";
     let mut metrics = Vec::new();
     let mut places = BTreeMap::new();
-    let rows = reader.table("metric", "key", columns, |row| {
-        let metric = Metric {
-            id: row.get(1)?,
-            title: row.get(2)?,
-            unit: row.get(3)?,
-            display_unit: row.get(4)?,
-            display_factor: row.get(5)?,
-            direction: row.get(6)?,
-            category: row.get(7)?,
-            formula: row.get(8)?,
-        };
-        Ok((row.get::<_, i64>(0)?, metric))
-    });
-    for (key, metric) in rows {
+    for Keyed { key, row } in reader.table("metric", "key", METRIC, rows::metric) {
         places.insert(key, metrics.len());
-        metrics.push(metric);
+        metrics.push(row);
     }
-    let columns = "session, metric, value, limit_min, limit_max, decides, within, score";
-    let values = reader.table("metric_value", "session", columns, |row| {
-        let value = Value {
-            metric: 0,
-            value: row.get(2)?,
-            min: row.get(3)?,
-            max: row.get(4)?,
-            decides: row.get(5)?,
-            within: row.get(6)?,
-            score: row.get(7)?,
-        };
-        Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?, value))
-    });
-    for (session, metric, value) in values {
-        if let (Some(entry), Some(metric)) = (sessions.get_mut(&session), places.get(&metric)) {
-            let metric = *metric;
-            entry.values.push(Value { metric, ..value });
+    for Keyed { key, row } in reader.table("metric_value", "session", MEASURED, rows::measured) {
+        if let (Some(entry), Some(place)) = (sessions.get_mut(&key), places.get(&row.metric)) {
+            entry.values.push(row.of(*place));
         }
     }
     let mut sessions: Vec<SessionEntry> = sessions.into_values().collect();

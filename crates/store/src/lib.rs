@@ -36,6 +36,7 @@ mod id;
 mod near;
 mod population;
 mod query;
+mod rows;
 mod salvage;
 mod schema;
 mod session;
@@ -44,7 +45,7 @@ mod trainee;
 
 pub use course::{Course, Enrolled, Progress, Step, StepProgress};
 pub use document::{
-    CourseEntry, DOCUMENT_FORMAT, Document, Group, Imported, SessionEntry, Unlocked, Value,
+    CourseEntry, DOCUMENT_FORMAT, Document, Group, Imported, SessionEntry, Unlocked,
 };
 pub use erase::Erasure;
 pub use error::StoreError;

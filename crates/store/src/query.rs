@@ -3,10 +3,13 @@
 use crate::error::{StoreError, refuse};
 use crate::group;
 use crate::id::Id;
-use crate::session::{Measured, Metric, Session, Verdict};
+use crate::rows::{self, Keyed, MEASURED, METRIC, SESSION, SESSION_COLUMNS};
+use crate::session::{Measured, Metric, Session};
 use crate::store::Store;
-use rusqlite::types::Value;
-use rusqlite::{Row, params_from_iter};
+use rusqlite::types::{Type, Value};
+use rusqlite::{Connection, Statement, params_from_iter};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Which sessions are wanted: those that are all that is named.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -70,87 +73,95 @@ pub struct NamedSession {
     pub name: Option<String>,
 }
 
-const SESSION: &str = "session.id, session.path, trainee.id, session.module, session.level, session.started, session.simulated,
-    session.finished, session.seed, session.input, session.version, session.realtime, session.synthetic, session.state_hash,
-    session.verdict, session.counts, session.failed, session.duration, session.targets_done, session.targets, session.score,
-    trainee.name, session.key";
+/// The metrics that sessions have values of, by key, each with its place in the order of ids.
+type Metrics = BTreeMap<i64, (usize, Arc<Metric>)>;
 
-const MEASURED: &str = "metric.id, metric.title, metric.unit, metric.display_unit, metric.display_factor, metric.direction,
-    metric.category, metric.formula, metric_value.value, metric_value.limit_min, metric_value.limit_max, metric_value.decides,
-    metric_value.within, metric_value.score";
-
-/// By time, and by id where that is the same.
-const ORDER: &str = "session.started, session.id";
-
-const CATEGORIES: &str =
-    "SELECT category, score FROM category_score WHERE session = ?1 ORDER BY category";
-
-/// The metrics of a session, by id.
-fn measures() -> String {
-    format!(
-        "SELECT {MEASURED} FROM metric_value JOIN metric ON metric.key = metric_value.metric
-        WHERE metric_value.session = ?1 ORDER BY metric.id"
-    )
+fn metrics(connection: &Connection) -> rusqlite::Result<Metrics> {
+    let sql = format!("SELECT {METRIC} FROM metric ORDER BY id, key");
+    let mut statement = connection.prepare(&sql)?;
+    let rows = statement.query_map([], rows::metric)?;
+    let rows = rows.enumerate().map(|(place, row)| {
+        let Keyed { key, row } = row?;
+        Ok((key, (place, Arc::new(row))))
+    });
+    rows.collect()
 }
 
-fn session(row: &Row<'_>) -> rusqlite::Result<NamedSession> {
-    let wrong = |column, what: String| {
-        let kind = rusqlite::types::Type::Text;
-        rusqlite::Error::FromSqlConversionFailure(column, kind, what.into())
-    };
-    let seed: String = row.get(8)?;
-    let verdict: String = row.get(14)?;
-    let failed: String = row.get(16)?;
-    Ok(NamedSession {
-        session: Session {
-            id: row.get(0)?,
-            path: row.get(1)?,
-            trainee: row.get(2)?,
-            module: row.get(3)?,
-            level: row.get(4)?,
-            started: row.get(5)?,
-            simulated: row.get(6)?,
-            finished: row.get(7)?,
-            seed: seed.parse().map_err(|_| wrong(8, format!("seed {seed}")))?,
-            input: row.get(9)?,
-            version: row.get(10)?,
-            realtime: row.get(11)?,
-            synthetic: row.get(12)?,
-            state_hash: row.get(13)?,
-            verdict: Verdict::from_name(&verdict)
-                .ok_or_else(|| wrong(14, format!("verdict {verdict}")))?,
-            counts: row.get(15)?,
-            failed: failed.lines().map(str::to_owned).collect(),
-            duration: row.get(17)?,
-            targets_done: row.get(18)?,
-            targets: row.get(19)?,
-            score: row.get(20)?,
-            categories: Vec::new(),
-            metrics: Vec::new(),
-        },
-        name: row.get(21)?,
-    })
+/// The values of a session, in the order of the ids of their metrics.
+fn values(
+    key: i64,
+    statement: &mut Statement<'_>,
+    metrics: &Metrics,
+) -> rusqlite::Result<Vec<Measured>> {
+    let mut found = Vec::new();
+    let mut rows = statement.query([key])?;
+    while let Some(row) = rows.next()? {
+        let value = rows::measured(row)?.row;
+        let (place, metric) = metrics.get(&value.metric).ok_or_else(|| {
+            let what = format!("a value of metric {}, which is not there", value.metric);
+            rusqlite::Error::FromSqlConversionFailure(1, Type::Integer, what.into())
+        })?;
+        found.push((*place, value.of(Arc::clone(metric))));
+    }
+    found.sort_by_key(|(place, _)| *place);
+    Ok(found.into_iter().map(|(_, value)| value).collect())
 }
 
-fn measured(row: &Row<'_>) -> rusqlite::Result<Measured> {
-    Ok(Measured {
-        metric: Metric {
-            id: row.get(0)?,
-            title: row.get(1)?,
-            unit: row.get(2)?,
-            display_unit: row.get(3)?,
-            display_factor: row.get(4)?,
-            direction: row.get(5)?,
-            category: row.get(6)?,
-            formula: row.get(7)?,
-        },
-        value: row.get(8)?,
-        min: row.get(9)?,
-        max: row.get(10)?,
-        decides: row.get(11)?,
-        within: row.get(12)?,
-        score: row.get(13)?,
-    })
+/// Keys of sessions, by time, and by id where that is the same. Sorted here: the database would sort whole rows, in files.
+fn keys(connection: &Connection, condition: &str, values: &[Value]) -> rusqlite::Result<Vec<i64>> {
+    let sql =
+        format!("SELECT session.started, session.id, session.key FROM session WHERE {condition}");
+    let mut statement = connection.prepare(&sql)?;
+    let rows = statement.query_map(params_from_iter(values), |row| {
+        Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+    })?;
+    let mut rows = rows.collect::<rusqlite::Result<Vec<(i64, Id, i64)>>>()?;
+    rows.sort_unstable();
+    Ok(rows.into_iter().map(|(_, _, key)| key).collect())
+}
+
+/// What reads sessions by their keys.
+struct Reading<'a> {
+    sessions: Statement<'a>,
+    categories: Statement<'a>,
+    values: Option<(Statement<'a>, Metrics)>,
+}
+
+impl<'a> Reading<'a> {
+    fn new(connection: &'a Connection, with_metrics: bool) -> rusqlite::Result<Self> {
+        let sessions = format!(
+            "SELECT {SESSION}, trainee.id, trainee.name FROM session LEFT JOIN trainee ON trainee.key = session.trainee
+            WHERE session.key = ?1"
+        );
+        let categories =
+            "SELECT category, score FROM category_score WHERE session = ?1 ORDER BY category";
+        let values = with_metrics.then(|| {
+            let sql = format!("SELECT {MEASURED} FROM metric_value WHERE session = ?1");
+            Ok::<_, rusqlite::Error>((connection.prepare(&sql)?, metrics(connection)?))
+        });
+        Ok(Self {
+            sessions: connection.prepare(&sessions)?,
+            categories: connection.prepare(categories)?,
+            values: values.transpose()?,
+        })
+    }
+
+    fn session(&mut self, key: i64) -> rusqlite::Result<NamedSession> {
+        let mut named = self.sessions.query_row([key], |row| {
+            let mut session = rows::session(row)?.0.row;
+            session.trainee = row.get(SESSION_COLUMNS)?;
+            let name = row.get(SESSION_COLUMNS + 1)?;
+            Ok(NamedSession { session, name })
+        })?;
+        let scores = self
+            .categories
+            .query_map([key], |row| Ok((row.get(0)?, row.get(1)?)))?;
+        named.session.categories = scores.collect::<rusqlite::Result<_>>()?;
+        if let Some((statement, metrics)) = &mut self.values {
+            named.session.metrics = values(key, statement, metrics)?;
+        }
+        Ok(named)
+    }
 }
 
 impl Store {
@@ -180,26 +191,11 @@ impl Store {
         each: &mut dyn FnMut(NamedSession) -> Result<(), E>,
     ) -> Result<(), E> {
         let failed = |error: rusqlite::Error| E::from(StoreError::from(error));
-        let sql = format!(
-            "SELECT {SESSION} FROM session LEFT JOIN trainee ON trainee.key = session.trainee WHERE {condition} ORDER BY {ORDER}"
-        );
-        let mut sessions = self.connection.prepare(&sql).map_err(failed)?;
-        let mut categories = self.connection.prepare(CATEGORIES).map_err(failed)?;
-        let mut measures = self.connection.prepare(&measures()).map_err(failed)?;
-        let mut rows = sessions.query(params_from_iter(values)).map_err(failed)?;
-        while let Some(row) = rows.next().map_err(failed)? {
-            let mut read = || -> rusqlite::Result<NamedSession> {
-                let mut named = session(row)?;
-                let key: i64 = row.get(22)?;
-                let rows = categories.query_map([key], |row| Ok((row.get(0)?, row.get(1)?)))?;
-                named.session.categories = rows.collect::<rusqlite::Result<_>>()?;
-                if metrics {
-                    let rows = measures.query_map([key], measured)?;
-                    named.session.metrics = rows.collect::<rusqlite::Result<_>>()?;
-                }
-                Ok(named)
-            };
-            each(read().map_err(failed)?)?;
+        // All of it from one moment, whatever other processes write meanwhile.
+        let now = self.connection.unchecked_transaction().map_err(failed)?;
+        let mut reading = Reading::new(&now, metrics).map_err(failed)?;
+        for key in keys(&now, condition, values).map_err(failed)? {
+            each(reading.session(key).map_err(failed)?)?;
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use crate::trainee;
 use microsim_vocabulary::terms;
 use rusqlite::{Connection, OptionalExtension, params};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 terms! {
     /// How a session ended for the trainee; the names are those of reports.
@@ -45,12 +46,11 @@ pub struct Metric {
     pub formula: String,
 }
 
-/// The value of a metric in a session.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+/// The value of a metric in a session, with the metric, which many values have in common, or with what names it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured<M = Arc<Metric>> {
     /// The metric.
-    #[serde(flatten)]
-    pub metric: Metric,
+    pub metric: M,
     /// Value in the SI unit; `None`: not applicable.
     pub value: Option<f64>,
     /// Smallest value that passes.
@@ -65,7 +65,22 @@ pub struct Measured {
     pub score: Option<f64>,
 }
 
-/// A session with its result.
+impl<M> Measured<M> {
+    /// The same value with another name of its metric.
+    pub(crate) fn of<N>(&self, metric: N) -> Measured<N> {
+        Measured {
+            metric,
+            value: self.value,
+            min: self.min,
+            max: self.max,
+            decides: self.decides,
+            within: self.within,
+            score: self.score,
+        }
+    }
+}
+
+/// A session with its result. Documents have the values of its metrics beside it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Session {
     /// Its id.
@@ -113,7 +128,7 @@ pub struct Session {
     /// Scores by category.
     pub categories: Vec<(String, f64)>,
     /// All metrics, by id.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip)]
     pub metrics: Vec<Measured>,
 }
 
@@ -286,21 +301,45 @@ impl Store {
         Ok(transaction.commit()?)
     }
 
-    /// Notes files that belong to a session and do not lie beside it. A session that is not here has none.
+    /// Notes files that were written for a session. Those of them that do not lie `beside` it belong to it from now on, and none belongs to another
+    /// session any more, whose file of that name is gone. A session that is not here has none.
     ///
     /// # Errors
     /// Those of the database.
-    pub fn attach(&mut self, id: Id, paths: &[String]) -> Result<(), StoreError> {
+    pub fn attach(
+        &mut self,
+        id: Id,
+        paths: &[String],
+        beside: &[String],
+    ) -> Result<(), StoreError> {
         let transaction = self.write()?;
         if let Some(key) = key(&transaction, id)? {
             for path in paths {
                 transaction.execute(
-                    "INSERT OR IGNORE INTO session_file VALUES (?1, ?2)",
+                    "DELETE FROM session_file WHERE path = ?2 AND session <> ?1",
                     params![key, path],
                 )?;
+                if !beside.contains(path) {
+                    transaction.execute(
+                        "INSERT OR IGNORE INTO session_file VALUES (?1, ?2)",
+                        params![key, path],
+                    )?;
+                }
             }
         }
         Ok(transaction.commit()?)
+    }
+
+    /// Whether a file that lies beside a session of this trainee, or did, was written for a session of somebody else since.
+    ///
+    /// # Errors
+    /// Those of the database.
+    pub fn is_of_another(&self, path: &str, trainee: Id) -> Result<bool, StoreError> {
+        let mut statement = self.connection.prepare_cached(
+            "SELECT 1 FROM session_file JOIN session ON session_file.session = session.key
+            WHERE session_file.path = ?1 AND session.trainee IS NOT (SELECT key FROM trainee WHERE id = ?2)",
+        )?;
+        Ok(statement.exists(params![path, trainee])?)
     }
 
     /// Files that belong to a session and do not lie beside it.

@@ -44,7 +44,11 @@ impl Values {
     fn push(&mut self, cell: Cell<'_>) {
         let is_there = match (&mut self.of, cell) {
             (Typed::Text(values), Cell::Text(text)) => {
-                values.push(ByteArray::from(text.as_bytes().to_vec()));
+                // Rows of one observation repeat its texts, which are in memory once then.
+                let bytes = text.as_bytes();
+                let last = values.last().filter(|last| last.data() == bytes);
+                let value = last.map_or_else(|| ByteArray::from(bytes.to_vec()), Clone::clone);
+                values.push(value);
                 true
             }
             (Typed::Integer(values), Cell::Integer(value)) => {
@@ -108,15 +112,22 @@ impl<W: Write + Send> ParquetFile<W> {
         })
     }
 
-    pub fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), ParquetError> {
-        for (column, cell) in self.columns.iter_mut().zip(cells) {
-            column.push(*cell);
+    pub fn group<'a>(
+        &mut self,
+        common: &[Cell<'_>],
+        rows: impl Iterator<Item = &'a [Cell<'a>]>,
+    ) -> Result<(), ParquetError> {
+        for row in rows {
+            let cells = common.iter().chain(row);
+            for (column, cell) in self.columns.iter_mut().zip(cells) {
+                column.push(*cell);
+            }
+            self.rows += 1;
+            if self.rows == GROUP {
+                self.write_group()?;
+            }
         }
-        self.rows += 1;
-        match self.rows {
-            GROUP => self.write_group(),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     fn write_group(&mut self) -> Result<(), ParquetError> {

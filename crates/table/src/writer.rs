@@ -48,15 +48,34 @@ impl<W: Write + Send> TableWriter<W> {
     /// # Errors
     /// A row that is not of the columns, and those of the sink.
     pub fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), TableError> {
-        let fits = |(column, cell): (&Column, &Cell<'_>)| cell.is_of(column.kind);
-        if cells.len() != self.columns.len() || !self.columns.iter().zip(cells).all(fits) {
+        self.group(&[], std::iter::once(cells))
+    }
+
+    /// Appends rows that all begin with the same cells.
+    ///
+    /// # Errors
+    /// A row that is not of the columns, and those of the sink.
+    pub fn group<'a>(
+        &mut self,
+        common: &[Cell<'_>],
+        rows: impl Iterator<Item = &'a [Cell<'a>]> + Clone,
+    ) -> Result<(), TableError> {
+        let fits = |columns: &[Column], cells: &[Cell<'_>]| {
+            let mut pairs = columns.iter().zip(cells);
+            columns.len() == cells.len() && pairs.all(|(column, cell)| cell.is_of(column.kind))
+        };
+        let parts = self.columns.split_at_checked(common.len());
+        let is_fit = parts.is_some_and(|(first, rest)| {
+            fits(first, common) && rows.clone().all(|row| fits(rest, row))
+        });
+        if !is_fit {
             return Err(TableError(
                 "a row that is not of the table's columns".into(),
             ));
         }
         match &mut self.file {
-            File::Csv(file) => file.row(cells).map_err(error),
-            File::Parquet(file) => file.row(cells).map_err(error),
+            File::Csv(file) => file.group(common, rows).map_err(error),
+            File::Parquet(file) => file.group(common, rows).map_err(error),
         }
     }
 

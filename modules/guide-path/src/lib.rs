@@ -113,7 +113,7 @@ pub fn wire_of(seed: u64, objects: &[Object], keys: &Keys) -> Result<Wire, Fault
     let object = objects.iter().find(|object| object.name == WIRE);
     let (Some(count), Some(Shape::Capsule { radius, length })) = (
         object.and_then(|object| object.count),
-        object.map(|object| object.shape),
+        object.map(|object| object.shape.clone()),
     ) else {
         return Err(Fault::new(
             "the level needs an [[object]] with `name` = \"wire\", `shape` = \"capsule\" and a `count`",
@@ -263,7 +263,7 @@ impl Exercise for GuidePath {
     fn new(setup: &Setup, config: &ModuleConfig) -> Result<(Self, Vec<String>), Fault> {
         let keys: Keys = serde_json::from_value(config.module.clone())?;
         let post = config.objects.iter().find(|object| object.name == POST);
-        let Some(Shape::Capsule { length: post, .. }) = post.map(|post| post.shape) else {
+        let Some(Shape::Capsule { length: post, .. }) = post.map(|post| post.shape.clone()) else {
             return Err(Fault::new(
                 "the level needs an [[object]] with `name` = \"post\", `shape` = \"capsule\" and `count` = 2",
             ));

@@ -195,7 +195,7 @@ impl Exercise for TouchSpheres {
             found.ok_or_else(|| Fault::new(format!("the level needs an object \"{name}\"")))
         };
         let sphere = object("sphere")?;
-        let (Some(count), Shape::Sphere { radius }) = (sphere.count, sphere.shape) else {
+        let (Some(count), Shape::Sphere { radius }) = (sphere.count, sphere.shape.clone()) else {
             return Err(Fault::new(
                 "the level's object \"sphere\" has to be a sphere with a `count`",
             ));

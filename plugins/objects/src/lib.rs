@@ -2,7 +2,7 @@
 //! activates, moves and colours them by name. The rigid obstacles of the level are shown as well: they stand, and a module
 //! may colour them.
 //!
-//! Tetrahedral bodies are the physics plugin's; model and texture files are not here.
+//! Tetrahedral bodies are the physics plugin's. Files of models and textures are known by their names here; whoever draws has their content.
 
 #![forbid(unsafe_code)]
 
@@ -140,6 +140,24 @@ impl Objects {
     }
 }
 
+fn shape(shape: &LevelShape) -> Shape {
+    match shape.clone() {
+        LevelShape::Sphere { radius } => Shape::Sphere { radius },
+        LevelShape::Capsule { radius, length } => Shape::Capsule { radius, length },
+        LevelShape::Box { half_size } => Shape::Box { half_size },
+        LevelShape::Ring { radius, tube } => Shape::Ring { radius, tube },
+        LevelShape::Model {
+            model,
+            scale,
+            texture,
+        } => Shape::Model {
+            model,
+            scale,
+            texture,
+        },
+    }
+}
+
 impl Plugin for Objects {
     fn new() -> Self {
         Self::default()
@@ -162,12 +180,7 @@ impl Plugin for Objects {
                 self.models.push(Model {
                     name,
                     parent,
-                    shape: match object.shape {
-                        LevelShape::Sphere { radius } => Shape::Sphere { radius },
-                        LevelShape::Capsule { radius, length } => Shape::Capsule { radius, length },
-                        LevelShape::Box { half_size } => Shape::Box { half_size },
-                        LevelShape::Ring { radius, tube } => Shape::Ring { radius, tube },
-                    },
+                    shape: shape(&object.shape),
                     finish: object.finish,
                     stands: false,
                 });
@@ -238,13 +251,17 @@ mod tests {
             })),
             look(json!({ "name": "ground", "shape": "plane", "position": [0.0, 0.0, -0.002] })),
         ];
+        host_of(json!({ "objects": [], "rigid": rigid }))
+    }
+
+    fn host_of(config: serde_json::Value) -> TestHost<Objects> {
         let setup = Setup {
             name: "objects".into(),
             seed: 0,
             tick_ns: 1_000_000,
             steps: 1,
             level: 1,
-            config: json!({ "objects": [], "rigid": rigid }),
+            config,
             files: Vec::new(),
         };
         TestHost::new(&["object.scene"], &["object.set"], &[], setup).expect("a complete set-up")
@@ -286,6 +303,60 @@ mod tests {
             let green = object.colour == [0.0, 1.0, 0.0];
             assert_eq!(green, object.name == "tray", "{}", object.name);
         }
+    }
+
+    /// A model hangs on a bar: a quarter turn of the bar about z takes its place (3, 0, 0) mm to (0, 3, 0) mm of the bar, which stands at x = 10 mm. What
+    /// is hidden is not in the scene, whatever hangs on it.
+    #[test]
+    fn a_model_is_moved_with_its_parent_and_hidden_alone() {
+        let object = |more: serde_json::Value| {
+            let mut object = json!({
+                "count": null, "radius": null, "length": null, "tube": null, "half_size": null, "position": [0.0, 0.0, 0.0],
+                "orientation": [0.0, 0.0, 0.0, 1.0], "parent": null, "colour": "#ff0000", "finish": "matte", "active": true,
+            });
+            let more = more.as_object().expect("keys").clone();
+            object.as_object_mut().expect("keys").extend(more);
+            object
+        };
+        let objects = [
+            object(
+                json!({ "name": "bar", "shape": "sphere", "radius": 0.001, "position": [0.01, 0.0, 0.0] }),
+            ),
+            object(json!({
+                "name": "clamp", "shape": "model", "model": "clamp.glb", "scale": 0.5, "texture": "steel.png",
+                "parent": "bar", "position": [0.003, 0.0, 0.0],
+            })),
+        ];
+        let mut host = host_of(json!({ "objects": objects, "rigid": [] }));
+        let half = 0.5_f64.sqrt();
+        host.send(&ObjectSet {
+            pose: Some(Pose {
+                position: [0.01, 0.0, 0.0],
+                orientation: [0.0, 0.0, half, half],
+            }),
+            active: Some(false),
+            ..set("bar")
+        });
+        let scene: ObjectScene = host.tick().expect("a tick").last().expect("a scene");
+        let [clamp] = &scene.objects[..] else {
+            panic!("{scene:?}");
+        };
+        let shape = Shape::Model {
+            model: "clamp.glb".into(),
+            scale: 0.5,
+            texture: Some("steel.png".into()),
+        };
+        assert_eq!((&clamp.name[..], &clamp.shape), ("clamp", &shape));
+        for (found, expected) in clamp.pose.position.iter().zip([0.01, 0.003, 0.0]) {
+            assert!((found - expected).abs() < 1e-12, "{:?}", clamp.pose);
+        }
+        assert!((clamp.pose.orientation[2] - half).abs() < 1e-12);
+        host.send(&ObjectSet {
+            active: Some(false),
+            ..set("clamp")
+        });
+        let scene: ObjectScene = host.tick().expect("a tick").last().expect("a change");
+        assert_eq!(scene.objects, []);
     }
 
     #[test]

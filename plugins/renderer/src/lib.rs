@@ -6,7 +6,7 @@
 #![forbid(unsafe_code)]
 
 use microsim_gpu::Gpu;
-use microsim_render::{Picture, Renderer, snapshot};
+use microsim_render::{Models, Picture, Renderer, snapshot};
 use microsim_sdk::message::{
     ObjectScene, PictureRequest, TISSUE_SNAPSHOT, ToolPlacements, ToolStates,
 };
@@ -19,22 +19,23 @@ use std::path::Path;
 pub struct PictureRenderer {
     config: Option<RendererConfig>,
     renderer: Option<Renderer>,
+    models: Models,
 }
 
 impl PictureRenderer {
-    fn picture(config: &RendererConfig, tick: &Tick<'_>) -> Result<Picture, Fault> {
+    fn picture(
+        config: &RendererConfig,
+        models: &Models,
+        tick: &Tick<'_>,
+    ) -> Result<Picture, Fault> {
         let objects = tick.latest::<ObjectScene>()?.unwrap_or_default();
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default();
         let placements = tick.latest::<ToolPlacements>()?;
         let placements = placements.filter(|placed| placed.tick == tick.index());
         let blocks = tick.blocks(TISSUE_SNAPSHOT);
-        Ok(snapshot::picture(
-            config,
-            &objects,
-            &tools,
-            placements.as_ref(),
-            blocks,
-        ))
+        let mut picture = snapshot::picture(config, &objects, &tools, placements.as_ref(), blocks);
+        picture.items.extend(models.items(&objects));
+        Ok(picture)
     }
 }
 
@@ -45,6 +46,11 @@ impl Plugin for PictureRenderer {
 
     fn initialise(&mut self, setup: &Setup, _: Services) -> Result<(), Fault> {
         self.config = Some(setup.configuration()?);
+        let files = setup.files.iter();
+        let files: Vec<(&str, &[u8])> = files
+            .map(|file| (&file.name[..], &file.bytes[..]))
+            .collect();
+        self.models = Models::new(&files).map_err(Fault::new)?;
         let gpu = Gpu::off_screen().map_err(|error| Fault::unavailable(error.to_string()))?;
         let renderer = Renderer::new(&gpu);
         self.renderer = Some(renderer.map_err(|error| Fault::unavailable(error.to_string()))?);
@@ -60,7 +66,7 @@ impl Plugin for PictureRenderer {
             return Err(Fault::new("not initialised"));
         };
         for request in tick.messages::<PictureRequest>()? {
-            let picture = Self::picture(config, tick)?;
+            let picture = Self::picture(config, &self.models, tick)?;
             let image = renderer
                 .draw(&picture)
                 .map_err(|error| Fault::new(error.to_string()))?;

@@ -2,10 +2,12 @@
 //!
 //! - `settings`: unknown keys, wrong units and missing files, in every kind of TOML file;
 //! - `recordings`: CSV files without a column map, and with rows that cannot be;
+//! - `models`: models and textures of objects;
 //! - `sessions`: session files that are cut, damaged, or none;
 //! - `command_line`: what is asked for is not there; what standard output gets.
 
 mod command_line;
+mod models;
 mod recordings;
 mod sessions;
 mod settings;

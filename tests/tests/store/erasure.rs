@@ -115,6 +115,43 @@ fn an_erased_trainee_leaves_nothing() {
     assert!(holding(&station.data(), "Muster-Erased").is_empty());
 }
 
+/// A page elsewhere, and one beside a session of the trainee who goes, were written again of somebody else's session: both stay.
+#[test]
+fn a_page_that_another_has_replaced_stays() {
+    let station = Station::new();
+    for (name, who) in [("1", "A. Muster"), ("2", "B. Beispiel")] {
+        station.add(who);
+        station
+            .run(name, "pass", &["--trainee", who])
+            .output()
+            .expect("a run");
+    }
+    let elsewhere = station.data().join("latest.html");
+    let beside = station.session("1").with_extension("html");
+    let report = |session: &str, page: &Path| {
+        let (session, page) = (station.session(session), page.to_str().expect("text"));
+        let session = session.to_str().expect("text");
+        station
+            .microsim(&["report", session, "--html", page])
+            .expect(0);
+    };
+    report("1", &elsewhere);
+    report("2", &elsewhere);
+    report("2", &beside);
+    let replaced = [&elsewhere, &beside].map(|page| fs::read(page).expect("a page"));
+    station
+        .microsim(&["trainees", "erase", "A. Muster", "--yes"])
+        .expect(0);
+    let left = [&elsewhere, &beside].map(|page| fs::read(page).ok());
+    assert_eq!(left, replaced.map(Some));
+    assert!(!station.session("1").exists());
+    // They go with their own trainee.
+    station
+        .microsim(&["trainees", "erase", "B. Beispiel", "--yes"])
+        .expect(0);
+    assert!(!elsewhere.exists() && !beside.exists());
+}
+
 #[test]
 fn an_anonymous_trainee_has_results_and_no_name() {
     let station = Station::new();

@@ -17,7 +17,7 @@ impl Ring {
     /// The ring of this name. A fault where there is none.
     pub fn named(objects: &[Object], name: &str) -> Result<Self, Fault> {
         let object = objects.iter().find(|object| object.name == name);
-        match object.map(|object| (object.position, object.shape)) {
+        match object.map(|object| (object.position, object.shape.clone())) {
             Some((centre, Shape::Ring { radius, tube })) => Ok(Self {
                 centre,
                 opening: radius - tube,

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 /// Keys that are optional in the schema, but needed by the type where they stand in the examples: one of a few must be
 /// there, which the checks see to.
-const CONDITIONAL: [&str; 18] = [
+const CONDITIONAL: [&str; 19] = [
     "contact[].response",
     "physics.broad_phase",
     "run.broad_phase",
@@ -15,6 +15,7 @@ const CONDITIONAL: [&str; 18] = [
     "object[].length",
     "object[].tube",
     "object[].half_size",
+    "object[].model",
     "tool[].key[].direction",
     "tool[].key[].orientation",
     "rigid[].half_size",

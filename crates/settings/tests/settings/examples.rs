@@ -32,6 +32,16 @@ fn a_level_is_read_in_si() {
     assert_eq!(level.object[2].shape, capsule);
     let (radius, tube) = (0.002, 0.0001);
     assert_eq!(level.object[3].shape, Shape::Ring { radius, tube });
+    let model = Shape::Model {
+        model: "mat.glb".into(),
+        scale: 1e-3,
+        texture: Some("weave.png".into()),
+    };
+    assert_eq!(level.object[4].shape, model);
+    assert_eq!(
+        level.object[4].files(),
+        [("model", "mat.glb"), ("texture", "weave.png")]
+    );
     assert_eq!(level.body[0].cells, Some([20, 4, 2]));
     assert_eq!(level.body[0].elements(), Some(6 * 20 * 4 * 2));
     assert_eq!(level.body[1].elements(), Some(6 * 12 * 40 * 3));

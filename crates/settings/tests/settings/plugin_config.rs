@@ -5,6 +5,7 @@ use microsim_settings::*;
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 use std::fmt::Debug;
+use std::path::Path;
 
 /// As the value of a set-up, and back.
 fn crossed<T: Serialize + DeserializeOwned>(config: &T) -> T {
@@ -62,7 +63,10 @@ fn configurations_cross_unchanged() {
     }
     assert_crosses(&PhysicsConfig::new(&level, &models).expect("a level with physics"));
     assert_crosses(&ModuleConfig::new(&level, &manifest, &models));
-    assert_crosses(&ObjectsConfig::new(&level));
+    assert_crosses(&ObjectsConfig::new(
+        &level,
+        [("mat.glb".to_owned(), "00ff".to_owned())].into(),
+    ));
     assert_crosses(&RendererConfig::new(&level, &models, (640, 480)));
     let script = read_script(example("script"), "script.toml").expect("the example is right");
     assert_crosses(&ScriptConfig {
@@ -210,4 +214,22 @@ fn markers_make_up_a_device() {
     let twice = text.clone() + &text.replace("device = \"left\"", "device = \"right\"");
     let twice = read_translator(&twice, "t").expect_err("twice").to_string();
     assert!(twice.contains("`a` a second time"), "{twice}");
+}
+
+/// The width of the box, 0.4 m, becomes 25 mm in the field: a scale of 0.0625. The device of the right hand drives the left tool.
+#[test]
+fn the_dominant_hand_and_boxes_are_named() {
+    let text = "dominant = \"left\"\n[[device]]\nname = \"tracker\"\ntool = \"right\"\n\
+        [[box]]\ndevice = \"tracker\"\nsize = [0.4, 0.3, 0.25]\nfield_width = 0.025\n";
+    let translator = read_translator(text, "translator.toml");
+    let translator = translator.expect("it is right").settings;
+    let tools = [ToolSlot {
+        name: "left".into(),
+        model: "forceps".into(),
+    }];
+    let config = TranslatorConfig::new(&translator, &Calibration::default(), None, &tools);
+    let parts = translator_parts(&translator, &config, Path::new("calibration.toml"));
+    let named: Vec<_> = parts.iter().map(|p| (p.what, p.name.as_str())).collect();
+    assert_eq!(named, [("hand", "left"), ("box", "tracker")]);
+    assert!(parts[1].why.contains("scale 0.0625"), "{:?}", parts[1]);
 }

@@ -39,7 +39,8 @@ fn measured(name: &str, value: Option<f64>) -> Measured {
             direction: "lower-is-better".into(),
             category: "efficiency".into(),
             formula: format!("{name}/1"),
-        },
+        }
+        .into(),
         value,
         min: None,
         max: Some(0.5),
@@ -384,9 +385,31 @@ fn full(scratch: &Scratch, sessions: u64) -> Store {
         .collect();
     store.enter(&all).expect("entered");
     store
-        .attach(all[0].id, &["/pictures".into()])
+        .attach(all[0].id, &["/pictures".into()], &[])
         .expect("attached");
     store
+}
+
+/// By hand: each file has one session at any time, that which wrote it last, unless it lies beside that one.
+#[test]
+fn a_file_belongs_to_the_session_that_wrote_it_last() {
+    let scratch = scratch();
+    let mut store = open(&scratch);
+    let sessions = [session(1, Some(1), true), session(2, Some(2), true)];
+    store.enter(&sessions).expect("entered");
+    let [a, b] = sessions.map(|session| session.id);
+    let page = ["/page.html".to_owned()];
+    store.attach(a, &page, &[]).expect("attached");
+    store.attach(b, &page, &[]).expect("attached");
+    assert_eq!(
+        (store.attached(a), store.attached(b)),
+        (Ok(Vec::new()), Ok(page.to_vec()))
+    );
+    assert_eq!(store.is_of_another(&page[0], id(1)), Ok(true));
+    assert_eq!(store.is_of_another(&page[0], id(2)), Ok(false));
+    store.attach(a, &page, &page).expect("attached");
+    assert_eq!(store.attached(b), Ok(Vec::new()));
+    assert_eq!(store.is_of_another(&page[0], id(1)), Ok(false));
 }
 
 #[test]
