@@ -12,7 +12,10 @@ pub enum Command {
     /// The simulator; the demonstration without arguments.
     Run(Vec<OsString>),
     /// The tree.
-    Build,
+    Build {
+        /// With the features that tests build with.
+        tests: bool,
+    },
     /// All checks.
     Test {
         /// Without the integration tests.
@@ -72,7 +75,8 @@ cargo xtask COMMAND: builds, runs and checks MicroSim
                      set-up, build, then format, clippy, documentation, licences and advisories of the
                      dependencies (installs cargo-deny if it is missing), and all tests; ARGS go to those;
                      --quick leaves out the integration tests (package microsim-tests)
-  build              builds everything into target/microsim/, a tree that runs as it lies
+  build [--tests]    builds everything into target/microsim/, a tree that runs as it lies; with --tests so
+                     that `cargo test --release --workspace` builds nothing of it again
   setup [--check]    checks what the system needs and installs it where it can; --check only reports
   new module NAME [--dir DIR]
                      makes modules/NAME (or DIR/NAME), a small training module that builds and runs
@@ -109,7 +113,9 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Command, Strin
     let parsed = match command.as_str() {
         "help" | "--help" | "-h" => return Ok(Command::Help),
         "run" => return Ok(Command::Run(rest)),
-        "build" => Command::Build,
+        "build" => Command::Build {
+            tests: flag(&mut rest, "--tests"),
+        },
         "test" => Command::Test {
             harness: after_dashes(&mut rest),
             short: flag(&mut rest, "--quick"),
@@ -216,7 +222,8 @@ mod tests {
                 "run push-strip --help -- x",
                 r#"Run(["push-strip", "--help", "--", "x"])"#,
             ),
-            ("build", "Build"),
+            ("build", "Build { tests: false }"),
+            ("build --tests", "Build { tests: true }"),
             ("test", "Test { short: false, harness: [] }"),
             (
                 "test --quick -- --quick a",

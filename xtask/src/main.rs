@@ -58,7 +58,8 @@ fn act(command: Command) -> Result<(), Failure> {
                 Err(demonstration::run_simulator(&workspace, &arguments))
             }
         }
-        Command::Build => tree::build(&workspace),
+        Command::Build { tests: false } => tree::build(&workspace),
+        Command::Build { tests: true } => tree::build_for_tests(&workspace),
         Command::Results(make) => results::results(&workspace, make),
         Command::Test { short, harness } => checks::check(&workspace, short, &harness),
         Command::Setup { check: true } => setup::setup(Mode::Report),
