@@ -34,13 +34,10 @@ mod texture;
 
 pub use affine::Affine;
 pub use error::{Flaw, ModelError};
-pub use mesh::{CREASE, MAX_CORNERS, MAX_NODES, Model, Node, Part};
+pub use mesh::{CREASE, MAX_BYTES, MAX_CORNERS, MAX_NODES, Model, Node, Part};
 pub use texture::{MAX_TEXTURE, Texture, read_texture};
 
 use error::flawed;
-
-/// Most bytes of a file.
-pub const MAX_BYTES: usize = 64 << 20;
 
 /// Names of files in the same folder that a model names: buffers and pictures of a `.gltf`.
 ///

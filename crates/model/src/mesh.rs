@@ -5,6 +5,9 @@ use crate::error::{Flaw, ModelError, flawed};
 use crate::texture::Texture;
 use std::collections::BTreeMap;
 
+/// Most bytes of a file.
+pub const MAX_BYTES: usize = 64 << 20;
+
 /// Most corners of the triangles of a file.
 pub const MAX_CORNERS: usize = 3 << 20;
 

@@ -2,9 +2,8 @@
 
 use super::Files;
 use super::document::{Accessor, Document, View};
-use crate::MAX_BYTES;
 use crate::error::{Flaw, ModelError, flawed};
-use crate::mesh::MAX_CORNERS;
+use crate::mesh::{MAX_BYTES, MAX_CORNERS};
 use crate::numbers::four;
 use std::borrow::Cow;
 

@@ -144,7 +144,7 @@ fn part(
 
 fn triangles(mode: u32, indices: &[u32]) -> Result<Vec<[u32; 3]>, ModelError> {
     let found = match mode {
-        TRIANGLES if indices.len() % 3 != 0 => {
+        TRIANGLES if !indices.len().is_multiple_of(3) => {
             return flawed(
                 Flaw::Broken,
                 format!("triangles of {} corners", indices.len()),
@@ -192,7 +192,7 @@ fn place(entry: &Entry) -> Result<Affine, ModelError> {
             let [x, y, z, w] = entry.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
             let norm = x * x + y * y + z * z + w * w;
             // Single precision, written with few digits.
-            if !((norm - 1.0).abs() < 0.01) {
+            if norm.is_nan() || (norm - 1.0).abs() >= 0.01 {
                 return flawed(Flaw::NotANumber, "a rotation that is no unit quaternion");
             }
             let s = 2.0 / norm;
