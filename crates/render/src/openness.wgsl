@@ -32,7 +32,7 @@ fn openness_fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     if radius > 1.01 || textureLoad(depth_map, clamp(at, vec2i(0), size - 1), 0) >= 0.99999 {
         return vec4f(1.0);
     }
-    // The flatter side tells the plane from an edge.
+    // The flatter side is of the plane, the other may be across an edge.
     let right = place_at(at + vec2i(1, 0), size) - here;
     let left = here - place_at(at - vec2i(1, 0), size);
     let down = place_at(at + vec2i(0, 1), size) - here;

@@ -20,7 +20,7 @@ use crate::targets::{DEPTH, Form, Maps, Targets, texture};
 use crate::uniforms::{SHADOW_SIDE, Scene};
 use crate::upload::Upload;
 
-/// Pictures that may be under way at once: one is drawn while the next is being encoded.
+/// Pictures that may be unfinished at once: one is drawn while the next is being encoded.
 const UNDER_WAY: usize = 2;
 /// What the buffer of instances begins with \[bytes\].
 const FIRST_BYTES: u64 = 1 << 14;

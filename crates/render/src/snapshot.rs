@@ -1,4 +1,4 @@
-//! From what is published in a tick to a [`Picture`]: the one translation that files and windows share.
+//! From what is published in a tick to a [`Picture`]: the one translation of files and windows.
 
 use microsim_bus::{BlockView, kind_id};
 use microsim_geometry::{Capsule, Pose as Place};
@@ -23,7 +23,7 @@ const ROUNDED: f64 = 0.3;
 ///
 /// `placements` are those of the same tick, if there are any: they go before what `tools` has of the same slots. `blocks` are the
 /// newest of kind [`TISSUE_SNAPSHOT`], one per body; bodies that the configuration does not name
-/// are not drawn. Where the bodies of [`TISSUE_REST`] and [`TISSUE_ELEMENTS`] are among them, patterns lie where the tissue lies at rest, and layers of a wall are told from
+/// are not drawn. Where the bodies of [`TISSUE_REST`] and [`TISSUE_ELEMENTS`] are among them, patterns lie where the tissue lies at rest, and layers of a wall are known from
 /// the regions; otherwise from how the body lay when it was first drawn.
 pub fn picture<'a>(
     config: &RendererConfig,

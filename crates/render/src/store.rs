@@ -105,7 +105,7 @@ impl Store {
         pixels: f64,
     ) -> Option<(usize, Item)> {
         let item = common(item)?;
-        // Steps of √2 in size: a zoom does not make each form anew in each picture.
+        // Steps of √2 in size: a zoom does not make each form again in each picture.
         let level = (2.0 * libm::log2(pixels)).ceil();
         let key = key_of(&item.shape, level)?;
         let place = match self.places.get(&key) {
