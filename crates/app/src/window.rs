@@ -13,7 +13,7 @@ use crate::station;
 use microsim_host::assemble::{Input, Installation, Request, assemble, renderer_for};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::run::{Operator, Realtime, RunOptions, RunOutcome, run};
-use microsim_message::LocalText;
+use microsim_message::{LocalText, SetupFile};
 use microsim_report::Page;
 use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig};
 use microsim_store::Id;
@@ -203,6 +203,7 @@ impl Station for AtThisPlace {
                 },
                 language: self.installation.host.report.language,
                 picture,
+                files: renderer.setup.files,
                 plan,
                 session,
             })
@@ -248,12 +249,17 @@ struct LevelAtDesk {
     realtime: Realtime,
     language: microsim_report::Language,
     picture: RendererConfig,
+    files: Vec<SetupFile>,
     desktop: Option<Desktop>,
 }
 
 impl LiveSession for LevelAtDesk {
     fn picture(&self) -> &RendererConfig {
         &self.picture
+    }
+
+    fn files(&self) -> &[SetupFile] {
+        &self.files
     }
 
     fn desktop(&self) -> Option<&Desktop> {

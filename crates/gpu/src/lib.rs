@@ -94,6 +94,14 @@ impl Gpu {
         &self.adapter_name
     }
 
+    /// Whether the processor draws, by the names of the software drivers that there are: Mesa's llvmpipe (lavapipe) and SwiftShader.
+    pub fn is_software(&self) -> bool {
+        let name = self.adapter_name.to_lowercase();
+        ["llvmpipe", "lavapipe", "swiftshader"]
+            .iter()
+            .any(|driver| name.contains(driver))
+    }
+
     /// The largest width and height of a picture \[pixels\].
     pub fn max_picture_side(&self) -> u32 {
         self.device.limits().max_texture_dimension_2d

@@ -23,17 +23,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     targets(&mut items);
     forceps(&mut items);
     strip(&mut items);
+    let view = View {
+        centre: [0.0; 3],
+        field_diameter: 25.0e-3,
+        working_distance: 0.2,
+        tilt: 0.0,
+    };
     let picture = Picture {
-        width: 800,
-        height: 800,
-        view: View {
-            centre: [0.0; 3],
-            field_diameter: 25.0e-3,
-            working_distance: 0.2,
-            tilt: 0.0,
-        },
         background: [0.02, 0.03, 0.04],
-        items,
+        ..Picture::new((800, 800), view, items)
     };
     let image = renderer.draw(&picture)?;
     image.write_png(Path::new(&path))?;

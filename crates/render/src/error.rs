@@ -26,6 +26,13 @@ pub enum RenderError {
         /// Which, and what is allowed.
         reason: &'static str,
     },
+    /// A body has impossible numbers.
+    Tissue {
+        /// Its place in the picture's list.
+        index: usize,
+        /// Which, and what is allowed.
+        reason: &'static str,
+    },
     /// The driver refused or failed.
     Device {
         /// Its message.
@@ -44,6 +51,7 @@ impl fmt::Display for RenderError {
             }
             Self::View { reason } => write!(f, "view of the picture: {reason}"),
             Self::Item { index, reason } => write!(f, "item {index} of the picture: {reason}"),
+            Self::Tissue { index, reason } => write!(f, "body {index} of the picture: {reason}"),
             Self::Device { reason } => write!(f, "the graphics driver failed: {reason}"),
         }
     }

@@ -1,6 +1,7 @@
 //! Objects whose shape is a model from a file: read once, then drawn wherever a level and its module have them.
 
-use crate::picture::{Item, Shape};
+use crate::picture::Item;
+use crate::shape::Shape;
 use microsim_message::{ObjectScene, ObjectState, Shape as ObjectShape};
 use microsim_model::{Part, read};
 use std::collections::BTreeMap;

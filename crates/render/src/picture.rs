@@ -4,6 +4,10 @@ use microsim_vocabulary::Finish;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
+use crate::shape::{Shape, finite};
+use crate::stereo::Stereo;
+use crate::tissue::Tissue;
+
 /// The background of the field: the colour of a wet drape, sRGB.
 pub const DRAPE: [f32; 3] = [0.07, 0.16, 0.17];
 
@@ -25,6 +29,25 @@ pub struct Picture {
     pub background: [f32; 3],
     /// What there is to see. The order matters only for translucent items that cover each other: the later one is in front.
     pub items: Vec<Item>,
+    /// Bodies, which are drawn with detail of their own.
+    pub tissues: Vec<Tissue>,
+    /// One picture, or one per eye.
+    pub stereo: Stereo,
+}
+
+impl Picture {
+    /// Of items over a drape, for one eye.
+    pub fn new((width, height): (u32, u32), view: View, items: Vec<Item>) -> Self {
+        Self {
+            width,
+            height,
+            view,
+            background: DRAPE,
+            items,
+            tissues: Vec::new(),
+            stereo: Stereo::default(),
+        }
+    }
 }
 
 /// A microscope that looks down the field frame's −z, or tilted from it, with the long focus of its main lens.
@@ -69,6 +92,18 @@ pub struct Item {
     pub finish: Finish,
     /// 1 is solid, 0 invisible. A translucent item casts no shadow and hides nothing.
     pub opacity: f32,
+    /// What a matte surface is made of.
+    pub pattern: Pattern,
+}
+
+/// What a matte surface shows besides its colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pattern {
+    /// Nothing.
+    #[default]
+    Plain,
+    /// The weave of a cloth, with shades and a thread of other colour here and there: background mats.
+    Cloth,
 }
 
 impl Item {
@@ -81,6 +116,7 @@ impl Item {
             colour,
             finish,
             opacity: 1.0,
+            pattern: Pattern::Plain,
         }
     }
 
@@ -104,7 +140,7 @@ impl Item {
         }
     }
 
-    /// The half-space below z = 0 of a pose, as a slab wider than a field of this diameter \[m\].
+    /// The half-space below z = 0 of a pose, as a slab wider than a field of this diameter \[m\]; a matte one is a cloth.
     pub fn half_space(
         position: [f64; 3],
         orientation: [f64; 4],
@@ -115,116 +151,13 @@ impl Item {
         let [width, thickness] = SLAB.map(|part| part * field_diameter);
         let half = [width, width, thickness];
         let slab = Self::new(Shape::Box { half }, position, colour, finish);
+        let pattern = match finish {
+            Finish::Matte => Pattern::Cloth,
+            _ => Pattern::Plain,
+        };
+        let slab = Self { pattern, ..slab };
         slab.at(position, orientation).raised(-thickness)
     }
-
-    /// Tissue in the field frame: what was outside from the start, and, a shade nearer to flesh and with a sharp rim, what a cut has opened
-    /// (`inner`, one per triangle; those that are missing are outside).
-    pub fn tissue(
-        positions: Vec<[f32; 3]>,
-        triangles: &[[u32; 3]],
-        inner: &[bool],
-        colour: [f32; 3],
-        finish: Finish,
-    ) -> Vec<Self> {
-        let part = |opened: bool| -> Vec<[u32; 3]> {
-            let is_inner = |index: usize| inner.get(index).copied().unwrap_or_default();
-            let all = triangles.iter().enumerate();
-            let chosen = all.filter(|(index, _)| is_inner(*index) == opened);
-            chosen.map(|(_, triangle)| *triangle).collect()
-        };
-        let flesh = std::array::from_fn(|k| colour[k] + OPENED * (FLESH[k] - colour[k]));
-        let parts = [(part(false), colour), (part(true), flesh)];
-        let items = parts
-            .into_iter()
-            .filter(|(triangles, _)| !triangles.is_empty());
-        items
-            .map(|(triangles, colour)| {
-                let positions = positions.clone();
-                let shape = Shape::Mesh {
-                    positions,
-                    triangles,
-                };
-                Self::new(shape, [0.0; 3], colour, finish)
-            })
-            .collect()
-    }
-}
-
-/// Colour of flesh, and how much of it the surface that a cut has opened has.
-const FLESH: [f32; 3] = [0.66, 0.13, 0.14];
-const OPENED: f32 = 0.5;
-
-/// The form of an item, in the item's own frame. Both sides of every surface are drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
-    /// Ball around the origin.
-    Sphere {
-        /// Radius \[m\].
-        radius: f64,
-    },
-    /// Every point within `radius` of the segment from `a` to `b`.
-    Capsule {
-        /// One end of the segment \[m\].
-        a: [f64; 3],
-        /// The other end \[m\].
-        b: [f64; 3],
-        /// Radius \[m\].
-        radius: f64,
-    },
-    /// Two balls and the tangent cone between them: a capsule whose radius changes evenly, such as the jaw of a forceps.
-    Taper {
-        /// Centre of the one ball \[m\].
-        a: [f64; 3],
-        /// Centre of the other ball \[m\].
-        b: [f64; 3],
-        /// Radius of the ball at `a` \[m\].
-        radius_a: f64,
-        /// Radius of the ball at `b` \[m\].
-        radius_b: f64,
-    },
-    /// Cuboid around the origin, edges along the axes.
-    Box {
-        /// Half of each edge \[m\].
-        half: [f64; 3],
-    },
-    /// Closed cylinder, from the origin along +z.
-    Cylinder {
-        /// Radius \[m\].
-        radius: f64,
-        /// Length along z \[m\].
-        height: f64,
-    },
-    /// Closed cone: base disc around the origin in the xy plane, apex on +z.
-    Cone {
-        /// Radius of the base \[m\].
-        radius: f64,
-        /// Height of the apex \[m\].
-        height: f64,
-    },
-    /// Arrow from the origin along +z: a shaft, and over the last third a head three times as thick.
-    Arrow {
-        /// Radius of the shaft \[m\].
-        radius: f64,
-        /// Length including the head \[m\].
-        length: f64,
-    },
-    /// Torus around z in the xy plane, or the first part of one: seen from +z it begins at +y and runs like the hand of a clock.
-    Ring {
-        /// From the axis to the middle of the tube \[m\].
-        radius: f64,
-        /// Radius of the tube \[m\].
-        tube: f64,
-        /// The part that is drawn, 0..1; 1 is the whole ring.
-        fraction: f64,
-    },
-    /// Any triangulated surface, shaded smoothly over its edges.
-    Mesh {
-        /// Corners \[m\].
-        positions: Vec<[f32; 3]>,
-        /// Three indices into `positions` each.
-        triangles: Vec<[u32; 3]>,
-    },
 }
 
 impl View {
@@ -262,58 +195,6 @@ impl Item {
             self.shape.fault()
         }
     }
-}
-
-impl Shape {
-    fn fault(&self) -> Option<&'static str> {
-        let lengths_good =
-            |lengths: &[f64]| finite(lengths) && lengths.iter().all(|&length| length >= 0.0);
-        let good = match self {
-            Self::Sphere { radius } => lengths_good(&[*radius]),
-            Self::Capsule { a, b, radius } => finite(a) && finite(b) && lengths_good(&[*radius]),
-            Self::Taper {
-                a,
-                b,
-                radius_a,
-                radius_b,
-            } => finite(a) && finite(b) && lengths_good(&[*radius_a, *radius_b]),
-            Self::Box { half } => lengths_good(half),
-            Self::Cylinder { radius, height } | Self::Cone { radius, height } => {
-                lengths_good(&[*radius, *height])
-            }
-            Self::Arrow { radius, length } => lengths_good(&[*radius, *length]),
-            Self::Ring {
-                radius,
-                tube,
-                fraction,
-            } => lengths_good(&[*radius, *tube]) && (0.0..=1.0).contains(fraction),
-            Self::Mesh {
-                positions,
-                triangles,
-            } => {
-                if !positions.iter().flatten().all(|part| part.is_finite()) {
-                    return Some("mesh has a corner that is not finite");
-                }
-                if triangles
-                    .iter()
-                    .flatten()
-                    .any(|&index| index as usize >= positions.len())
-                {
-                    return Some("mesh has a triangle with a corner that does not exist");
-                }
-                true
-            }
-        };
-        if good {
-            None
-        } else {
-            Some("lengths must be finite and not negative, a fraction within 0..1")
-        }
-    }
-}
-
-fn finite(parts: &[f64]) -> bool {
-    parts.iter().all(|part| part.is_finite())
 }
 
 #[cfg(test)]

@@ -1,130 +1,255 @@
 //! The pipelines: which shader, which vertices, which tests make one kind of pass.
 
-use crate::surface::Vertex;
-use crate::targets::{COLOUR, DEPTH, SAMPLES};
+use crate::batch::Instance;
+use crate::mesh::{Detail, Vertex};
+use crate::quality::Quality;
+use crate::targets::{COLOUR, DEPTH, OPENNESS};
 
-/// All pipelines and the layouts of what the shader reads. Layouts: group 0 the scene, group 1 the shadow map.
+/// Families of surfaces, the numbers of the shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Family {
+    Matte = 0,
+    Moist = 1,
+    Metal = 2,
+    Tissue = 3,
+}
+
+impl Family {
+    const ALL: [Self; 4] = [Self::Matte, Self::Moist, Self::Metal, Self::Tissue];
+}
+
+/// Layouts of what shaders read. Group 0 is the scene in all of them.
+pub(crate) struct Layouts {
+    pub scene: wgpu::BindGroupLayout,
+    /// Shadow map, openness, samplers.
+    pub light: wgpu::BindGroupLayout,
+    /// Depth of the half size.
+    pub depth: wgpu::BindGroupLayout,
+    /// Openness before it is smoothed.
+    pub raw: wgpu::BindGroupLayout,
+    /// Pictures of the eyes, and depth.
+    pub post: wgpu::BindGroupLayout,
+}
+
+/// All pipelines of one quality.
 pub(crate) struct Pipelines {
-    pub scene_layout: wgpu::BindGroupLayout,
-    pub shadow_layout: wgpu::BindGroupLayout,
     pub shadow: wgpu::RenderPipeline,
+    pub depth: wgpu::RenderPipeline,
+    pub openness: wgpu::RenderPipeline,
+    pub smooth: wgpu::RenderPipeline,
     pub background: wgpu::RenderPipeline,
-    /// By `Layer::solid`, then by `Layer::closed`.
-    pub surface: [[wgpu::RenderPipeline; 2]; 2],
+    pub focus: wgpu::RenderPipeline,
+    /// By family, by whether it is solid, by whether it is closed.
+    surface: Vec<[[wgpu::RenderPipeline; 2]; 2]>,
+    /// By the layout's number less one.
+    pub compose: Vec<wgpu::RenderPipeline>,
+}
+
+impl Layouts {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        let layout = |label, entries: &[(u32, wgpu::ShaderStages, wgpu::BindingType)]| {
+            let entries: Vec<wgpu::BindGroupLayoutEntry> = entries
+                .iter()
+                .map(|&(binding, visibility, ty)| wgpu::BindGroupLayoutEntry {
+                    binding,
+                    visibility,
+                    ty,
+                    count: None,
+                })
+                .collect();
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries: &entries,
+            })
+        };
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let depth = texture(wgpu::TextureSampleType::Depth);
+        let colour = texture(wgpu::TextureSampleType::Float { filterable: true });
+        let sampler = wgpu::BindingType::Sampler;
+        let compare = sampler(wgpu::SamplerBindingType::Comparison);
+        let filter = sampler(wgpu::SamplerBindingType::Filtering);
+        let uniform = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        Self {
+            scene: layout(
+                "scene",
+                &[(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform)],
+            ),
+            light: layout(
+                "light",
+                &[
+                    (0, fragment, depth),
+                    (1, fragment, compare),
+                    (2, fragment, colour),
+                    (3, fragment, filter),
+                ],
+            ),
+            depth: layout("depth", &[(0, fragment, depth)]),
+            raw: layout("raw", &[(1, fragment, colour), (2, fragment, filter)]),
+            post: layout(
+                "post",
+                &[
+                    (0, fragment, colour),
+                    (1, fragment, colour),
+                    (2, fragment, depth),
+                    (3, fragment, filter),
+                ],
+            ),
+        }
+    }
 }
 
 impl Pipelines {
-    pub fn new(device: &wgpu::Device) -> Self {
-        let shader = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
-        let scene_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("scene"),
-            entries: &[layout_entry(
-                0,
-                wgpu::ShaderStages::VERTEX_FRAGMENT,
-                wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-            )],
-        });
-        let shadow_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("shadow"),
-            entries: &[
-                layout_entry(
-                    0,
-                    wgpu::ShaderStages::FRAGMENT,
-                    wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Depth,
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                ),
-                layout_entry(
-                    1,
-                    wgpu::ShaderStages::FRAGMENT,
-                    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
-                ),
-            ],
-        });
+    pub fn new(device: &wgpu::Device, layouts: &Layouts, quality: Quality) -> Self {
+        let module = |source: &'static str, label| {
+            let source = format!("{}\n{source}", include_str!("scene.wgsl"));
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            })
+        };
+        let surfaces = module(include_str!("surface.wgsl"), "surface");
+        let openness = module(include_str!("openness.wgsl"), "openness");
+        let post = module(include_str!("post.wgsl"), "post");
         let maker = Maker {
             device,
-            shader: &shader,
-            scene_layout: &scene_layout,
-            shadow_layout: &shadow_layout,
+            layouts,
+            quality,
         };
         Self {
-            shadow: maker.shadow(),
-            background: maker.background(),
-            surface: [false, true]
-                .map(|solid| [false, true].map(|closed| maker.surface(solid, closed))),
-            scene_layout,
-            shadow_layout,
+            shadow: maker.shadow(&surfaces),
+            depth: maker.depth(&surfaces),
+            openness: maker.whole(
+                &openness,
+                "openness_fragment",
+                &layouts.depth,
+                OPENNESS,
+                &[],
+            ),
+            smooth: maker.whole(&openness, "smooth_fragment", &layouts.raw, OPENNESS, &[]),
+            background: maker.background(&surfaces),
+            focus: maker.whole(&post, "focus_fragment", &layouts.post, COLOUR, &[]),
+            surface: Family::ALL
+                .map(|family| {
+                    [false, true].map(|solid| {
+                        [false, true].map(|closed| maker.surface(&surfaces, family, solid, closed))
+                    })
+                })
+                .into(),
+            compose: (1..=4)
+                .map(|number| {
+                    let constants = [("LAYOUT", f64::from(number))];
+                    maker.whole(&post, "compose_fragment", &layouts.post, COLOUR, &constants)
+                })
+                .collect(),
         }
+    }
+
+    /// That of a family; a solid one hides what is behind it, of a closed one no inner side is ever seen.
+    pub fn surface(&self, family: Family, solid: bool, closed: bool) -> &wgpu::RenderPipeline {
+        &self.surface[family as usize][usize::from(solid)][usize::from(closed)]
     }
 }
 
 /// What all pipelines are made from.
 struct Maker<'a> {
     device: &'a wgpu::Device,
-    shader: &'a wgpu::ShaderModule,
-    scene_layout: &'a wgpu::BindGroupLayout,
-    shadow_layout: &'a wgpu::BindGroupLayout,
+    layouts: &'a Layouts,
+    quality: Quality,
 }
 
 impl Maker<'_> {
     /// Depth of the solid surfaces as the key light sees them.
-    fn shadow(&self) -> wgpu::RenderPipeline {
-        let attributes = wgpu::vertex_attr_array![0 => Float32x3];
+    fn shadow(&self, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
         self.pipeline(&Stages {
             label: "shadow",
-            groups: &[Some(self.scene_layout)],
-            vertex: "shadow_vertex",
-            buffers: &[Some(vertex_layout(&attributes))],
-            cull: None,
-            depth: wgpu::DepthStencilState {
-                // Keeps a slope from shadowing itself: two texels' worth of its own depth.
+            depth: Some(wgpu::DepthStencilState {
+                // Holds a slope from shadowing itself: two texels' worth of its own depth.
                 bias: wgpu::DepthBiasState {
                     constant: 0,
                     slope_scale: 2.0,
                     clamp: 0.0,
                 },
                 ..depth_state(true, wgpu::CompareFunction::Less)
-            },
-            samples: 1,
-            fragment: None,
+            }),
+            ..Stages::new(module, &[Some(&self.layouts.scene)], "shadow_vertex")
         })
     }
 
-    fn background(&self) -> wgpu::RenderPipeline {
+    /// Depth of the solid surfaces as the eye sees them.
+    fn depth(&self, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
+        self.pipeline(&Stages {
+            label: "depth",
+            depth: Some(depth_state(true, wgpu::CompareFunction::Less)),
+            ..Stages::new(module, &[Some(&self.layouts.scene)], "depth_vertex")
+        })
+    }
+
+    fn background(&self, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
         self.pipeline(&Stages {
             label: "background",
-            groups: &[Some(self.scene_layout)],
-            vertex: "background_vertex",
-            buffers: &[],
-            cull: None,
-            depth: depth_state(true, wgpu::CompareFunction::Always),
-            samples: SAMPLES,
-            fragment: Some(("background_fragment", None)),
+            has_vertices: false,
+            depth: Some(depth_state(true, wgpu::CompareFunction::Always)),
+            samples: self.quality.samples(),
+            fragment: Some(("background_fragment", COLOUR, None)),
+            ..Stages::new(module, &[Some(&self.layouts.scene)], "background_vertex")
+        })
+    }
+
+    /// A pass over all pixels.
+    fn whole(
+        &self,
+        module: &wgpu::ShaderModule,
+        fragment: &str,
+        group: &wgpu::BindGroupLayout,
+        format: wgpu::TextureFormat,
+        constants: &[(&str, f64)],
+    ) -> wgpu::RenderPipeline {
+        self.pipeline(&Stages {
+            label: fragment,
+            has_vertices: false,
+            fragment: Some((fragment, format, None)),
+            constants,
+            ..Stages::new(
+                module,
+                &[Some(&self.layouts.scene), Some(group)],
+                "whole_vertex",
+            )
         })
     }
 
     /// Lit surfaces. A closed one is spared its inner side, of an open one both sides are seen; a translucent one hides nothing.
-    fn surface(&self, solid: bool, closed: bool) -> wgpu::RenderPipeline {
-        let attributes =
-            wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32];
+    fn surface(
+        &self,
+        module: &wgpu::ShaderModule,
+        family: Family,
+        solid: bool,
+        closed: bool,
+    ) -> wgpu::RenderPipeline {
         self.pipeline(&Stages {
             label: "surface",
-            groups: &[Some(self.scene_layout), Some(self.shadow_layout)],
-            vertex: "surface_vertex",
-            buffers: &[Some(vertex_layout(&attributes))],
             cull: closed.then_some(wgpu::Face::Back),
-            depth: depth_state(solid, wgpu::CompareFunction::Less),
-            samples: SAMPLES,
+            depth: Some(depth_state(solid, wgpu::CompareFunction::Less)),
+            samples: self.quality.samples(),
             fragment: Some((
                 "surface_fragment",
+                COLOUR,
                 (!solid).then_some(wgpu::BlendState::ALPHA_BLENDING),
             )),
+            constants: &[("FAMILY", f64::from(family as u8))],
+            ..Stages::new(
+                module,
+                &[Some(&self.layouts.scene), Some(&self.layouts.light)],
+                "surface_vertex",
+            )
         })
     }
 
@@ -136,37 +261,76 @@ impl Maker<'_> {
                 bind_group_layouts: stages.groups,
                 ..Default::default()
             });
-        let blend = stages.fragment.and_then(|(_, blend)| blend);
-        let colour = [Some(wgpu::ColorTargetState {
-            format: COLOUR,
-            blend,
-            write_mask: wgpu::ColorWrites::ALL,
-        })];
+        let mut constants = vec![("QUALITY", self.quality.number())];
+        constants.extend_from_slice(stages.constants);
+        let options = || wgpu::PipelineCompilationOptions {
+            constants: &constants,
+            ..Default::default()
+        };
+        let target = stages.fragment.map(|(_, format, blend)| {
+            [Some(wgpu::ColorTargetState {
+                format,
+                blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            })]
+        });
+        let vertex = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+        let detail = wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32];
+        let instance = wgpu::vertex_attr_array![
+            4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Float32x4
+        ];
+        let buffer = |stride: usize, step_mode, attributes| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride: stride as u64,
+                step_mode,
+                attributes,
+            })
+        };
+        let buffers = [
+            buffer(
+                size_of::<Vertex>(),
+                wgpu::VertexStepMode::Vertex,
+                vertex.as_slice(),
+            ),
+            buffer(
+                size_of::<Detail>(),
+                wgpu::VertexStepMode::Vertex,
+                detail.as_slice(),
+            ),
+            buffer(
+                size_of::<Instance>(),
+                wgpu::VertexStepMode::Instance,
+                instance.as_slice(),
+            ),
+        ];
         self.device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(stages.label),
                 layout: Some(&layout),
                 vertex: wgpu::VertexState {
-                    module: self.shader,
+                    module: stages.module,
                     entry_point: Some(stages.vertex),
-                    compilation_options: Default::default(),
-                    buffers: stages.buffers,
+                    compilation_options: options(),
+                    buffers: if stages.has_vertices { &buffers } else { &[] },
                 },
                 primitive: wgpu::PrimitiveState {
                     cull_mode: stages.cull,
                     ..Default::default()
                 },
-                depth_stencil: Some(stages.depth.clone()),
+                depth_stencil: stages.depth.clone(),
                 multisample: wgpu::MultisampleState {
                     count: stages.samples,
                     ..Default::default()
                 },
-                fragment: stages.fragment.map(|(entry, _)| wgpu::FragmentState {
-                    module: self.shader,
-                    entry_point: Some(entry),
-                    compilation_options: Default::default(),
-                    targets: &colour,
-                }),
+                fragment: stages
+                    .fragment
+                    .zip(target.as_ref())
+                    .map(|((entry, _, _), targets)| wgpu::FragmentState {
+                        module: stages.module,
+                        entry_point: Some(entry),
+                        compilation_options: options(),
+                        targets,
+                    }),
                 multiview_mask: None,
                 cache: None,
             })
@@ -176,34 +340,37 @@ impl Maker<'_> {
 /// What distinguishes one pipeline from another.
 struct Stages<'a> {
     label: &'a str,
+    module: &'a wgpu::ShaderModule,
     groups: &'a [Option<&'a wgpu::BindGroupLayout>],
     vertex: &'a str,
-    buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    has_vertices: bool,
     cull: Option<wgpu::Face>,
-    depth: wgpu::DepthStencilState,
+    depth: Option<wgpu::DepthStencilState>,
     samples: u32,
-    /// Entry point and blending; none draws depth only.
-    fragment: Option<(&'a str, Option<wgpu::BlendState>)>,
+    /// Entry point, format and blending; none draws depth only.
+    fragment: Option<(&'a str, wgpu::TextureFormat, Option<wgpu::BlendState>)>,
+    /// Of the shader, besides the quality.
+    constants: &'a [(&'a str, f64)],
 }
 
-fn layout_entry(
-    binding: u32,
-    visibility: wgpu::ShaderStages,
-    ty: wgpu::BindingType,
-) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility,
-        ty,
-        count: None,
-    }
-}
-
-fn vertex_layout(attributes: &[wgpu::VertexAttribute]) -> wgpu::VertexBufferLayout<'_> {
-    wgpu::VertexBufferLayout {
-        array_stride: size_of::<Vertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes,
+impl<'a> Stages<'a> {
+    fn new(
+        module: &'a wgpu::ShaderModule,
+        groups: &'a [Option<&'a wgpu::BindGroupLayout>],
+        vertex: &'a str,
+    ) -> Self {
+        Self {
+            label: vertex,
+            module,
+            groups,
+            vertex,
+            has_vertices: true,
+            cull: None,
+            depth: None,
+            samples: 1,
+            fragment: None,
+            constants: &[],
+        }
     }
 }
 

@@ -1,67 +1,82 @@
-//! Drawing: pipelines made once, textures retained while the size stays, one upload and three passes per picture.
+//! Drawing: pipelines made once per quality, textures and buffers that stay from picture to picture, a few passes per picture.
 
 use microsim_gpu::Gpu;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::batch::{Draw, Instance, Source, family_of, sort};
+use crate::bodies::Bodies;
 use crate::error::RenderError;
+use crate::frame::{Frame, encode};
 use crate::image::Image;
-use crate::light::{AMBIENT, COAXIAL, key_light_direction, key_strength, linear_from_srgb};
-use crate::picture::{Picture, View};
-use crate::pipelines::Pipelines;
-use crate::surface::Surfaces;
-use crate::targets::{DEPTH, Targets, texture};
+use crate::mesh::Mesh;
+use crate::picture::{Pattern, Picture};
+use crate::pipelines::{Family, Layouts, Pipelines};
+use crate::quality::Quality;
+use crate::shape::Shape;
+use crate::store::{Store, Triangles, loose};
+use crate::targets::{DEPTH, Form, Maps, Targets, texture};
+use crate::uniforms::{SHADOW_SIDE, Scene};
 use crate::upload::Upload;
 
-/// Side of the shadow map \[texels\].
-const SHADOW_SIDE: u32 = 1024;
-/// Half the side of the square across the key light that the shadow map covers \[field radii\]: the field, seen at 35°, and what
-/// stands up to one radius high in it.
-const SHADOW_REACH: f64 = 1.5;
-/// Depth range of the shadow map along the key light \[field radii\], with the focus point at zero: instruments reach up, nothing
-/// below is seen for long.
-const SHADOW_DEPTHS: [f64; 2] = [-3.0, 9.0];
-/// Nearest plane that is drawn, in parts of the working distance. Shafts that reach higher have left the field.
-const NEAR: f64 = 0.2;
-/// Pictures that may be under way at once: one is drawn while the next is being encoded.
+/// Pictures that may be unfinished at once: one is drawn while the next is being encoded.
 const UNDER_WAY: usize = 2;
-/// What a buffer begins with \[bytes\].
-const FIRST_BYTES: u64 = 1 << 16;
+/// What the buffer of instances begins with \[bytes\].
+const FIRST_BYTES: u64 = 1 << 14;
 
 /// Draws pictures. Not shared between threads: each thread that draws has its own.
 pub struct Renderer {
     gpu: Gpu,
-    pipelines: Pipelines,
-    scene: wgpu::Buffer,
-    scene_group: wgpu::BindGroup,
-    shadow_group: wgpu::BindGroup,
-    shadow_view: wgpu::TextureView,
-    vertices: Upload,
-    indices: Upload,
+    quality: Quality,
+    layouts: Layouts,
+    /// By quality; made when it is first drawn.
+    pipelines: [Option<Pipelines>; 3],
+    /// One per eye.
+    scenes: [(wgpu::Buffer, wgpu::BindGroup); 2],
+    shadow: wgpu::TextureView,
+    compare: wgpu::Sampler,
+    filter: wgpu::Sampler,
+    instances: Upload,
+    store: Store,
+    bodies: Bodies,
+    /// Meshes that pictures bring themselves, by their number in the picture.
+    loose: Vec<Triangles>,
+    draws: Vec<Draw>,
     targets: Option<Targets>,
     /// Pictures that were submitted and are not known to be finished, the oldest first.
     under_way: VecDeque<(wgpu::SubmissionIndex, Arc<AtomicBool>)>,
 }
 
-/// The shader's `Scene`, same order.
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct Scene {
-    lens: [f32; 4],
-    light: [[f32; 4]; 3],
-    lamps: [f32; 4],
-    background: [f32; 4],
-    field: [f32; 4],
-}
-
 impl Renderer {
-    /// Compiles the shaders on `gpu`. Takes some hundred milliseconds with a software driver.
+    /// Compiles the shaders on `gpu`, of low quality for a software driver, else of medium. Takes some hundred milliseconds with a software driver.
     ///
     /// # Errors
     /// [`RenderError::Device`] when the driver refuses.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
-        watched(gpu, || Ok(Self::build(gpu)))
+        let quality = match gpu.is_software() {
+            true => Quality::Low,
+            false => Quality::Medium,
+        };
+        Self::of_quality(gpu, quality)
+    }
+
+    /// The same for pictures of a quality.
+    ///
+    /// # Errors
+    /// [`RenderError::Device`] when the driver refuses.
+    pub fn of_quality(gpu: &Gpu, quality: Quality) -> Result<Self, RenderError> {
+        watched(gpu, || Ok(Self::build(gpu, quality)))
+    }
+
+    /// How much is done for a picture.
+    pub fn quality(&self) -> Quality {
+        self.quality
+    }
+
+    /// Changes it from the next picture on. The shaders of a quality are compiled for its first picture.
+    pub fn set_quality(&mut self, quality: Quality) {
+        self.quality = quality;
     }
 
     /// Draws one picture and waits for it: [`render`](Self::render), then [`read_back`](Self::read_back).
@@ -124,7 +139,7 @@ impl Renderer {
     /// The texture of the last picture, sRGB; a view of it as `Rgba8Unorm` gives the encoded bytes, and it can be bound. It stays the same while the
     /// size of the pictures does. `None` before the first picture.
     pub fn texture(&self) -> Option<&wgpu::Texture> {
-        self.targets.as_ref().map(|targets| &targets.resolved)
+        self.targets.as_ref().map(|targets| &targets.picture)
     }
 
     /// Whether the last picture is not finished yet. Asks the driver and does not wait.
@@ -140,6 +155,19 @@ impl Renderer {
         let finished = |done: &Arc<AtomicBool>| done.load(Ordering::Acquire);
         self.under_way.retain(|(_, done)| !finished(done));
         Ok(!self.under_way.is_empty())
+    }
+
+    /// Waits until the last picture is drawn.
+    ///
+    /// # Errors
+    /// The loss of the device.
+    pub fn finish(&mut self) -> Result<(), RenderError> {
+        let last = self.under_way.pop_back().map(|(index, _)| index);
+        self.under_way.clear();
+        match last {
+            Some(index) => self.wait(Some(index)),
+            None => Ok(()),
+        }
     }
 
     /// Waits for one submission.
@@ -171,77 +199,53 @@ impl Renderer {
                 return Err(RenderError::Item { index, reason });
             }
         }
+        for (index, tissue) in picture.tissues.iter().enumerate() {
+            if let Some(reason) = tissue.fault() {
+                return Err(RenderError::Tissue { index, reason });
+            }
+        }
         Ok(())
     }
 
     fn submit(&mut self, picture: &Picture) {
+        let size = picture.stereo.eye_size((picture.width, picture.height));
+        self.list(picture, size);
         let (device, queue) = (self.gpu.device(), self.gpu.queue());
-        let field_pixels = 0.5 * f64::from(picture.width.min(picture.height));
-        let surfaces = Surfaces::build(&picture.items, &picture.view, field_pixels);
-        self.vertices.write(device, queue, &surfaces.vertices);
-        self.indices.write(device, queue, &surfaces.indices);
-        let (vertices, indices) = (self.vertices.buffer(), self.indices.buffer());
-        queue.write_buffer(
-            &self.scene,
-            0,
-            bytemuck::bytes_of(&scene_of(picture, field_pixels)),
-        );
-        let targets = match self.targets.take() {
-            Some(targets) if (targets.width, targets.height) == (picture.width, picture.height) => {
-                targets
-            }
-            _ => Targets::new(device, picture.width, picture.height),
+        let instances: Vec<Instance> = self.draws.iter().map(|draw| draw.instance).collect();
+        self.instances.write(device, queue, &instances);
+        for (beside, (buffer, _)) in picture.stereo.eyes().iter().zip(&self.scenes) {
+            let scene = Scene::new(picture, size, beside * picture.stereo.base);
+            queue.write_buffer(buffer, 0, bytemuck::bytes_of(&scene));
+        }
+        let form = Form {
+            width: picture.width,
+            height: picture.height,
+            quality: self.quality,
+            layout: picture.stereo.layout,
         };
-
+        let targets = match self.targets.take() {
+            Some(targets) if targets.form == form => targets,
+            _ => Targets::new(device, form, &self.maps()),
+        };
+        let pipelines = self.pipelines[self.quality as usize]
+            .get_or_insert_with(|| Pipelines::new(device, &self.layouts, self.quality));
+        let frame = Frame {
+            draws: &self.draws,
+            instances: self.instances.buffer(),
+            pipelines,
+            targets: &targets,
+            shadow: &self.shadow,
+            quality: self.quality,
+            layout: picture.stereo,
+        };
+        let triangles = |source| match source {
+            Source::Shape(place) => self.store.at(place),
+            Source::Body(number) => self.bodies.of(picture.tissues[number].body),
+            Source::Loose(number) => self.loose.get(number),
+        };
+        let groups: Vec<&wgpu::BindGroup> = self.scenes.iter().map(|(_, group)| group).collect();
         let mut encoder = device.create_command_encoder(&Default::default());
-        {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("shadow"),
-                depth_stencil_attachment: Some(depth_attachment(
-                    &self.shadow_view,
-                    wgpu::StoreOp::Store,
-                )),
-                ..Default::default()
-            });
-            pass.set_pipeline(&self.pipelines.shadow);
-            pass.set_bind_group(0, &self.scene_group, &[]);
-            pass.set_vertex_buffer(0, vertices.slice(..));
-            pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-            for layer in surfaces.layers.iter().filter(|layer| layer.solid) {
-                pass.draw_indexed(layer.indices.clone(), 0, 0..1);
-            }
-        }
-        {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("field"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &targets.samples,
-                    depth_slice: None,
-                    resolve_target: Some(&targets.view),
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                        store: wgpu::StoreOp::Discard,
-                    },
-                })],
-                depth_stencil_attachment: Some(depth_attachment(
-                    &targets.depth,
-                    wgpu::StoreOp::Discard,
-                )),
-                ..Default::default()
-            });
-            pass.set_bind_group(0, &self.scene_group, &[]);
-            pass.set_pipeline(&self.pipelines.background);
-            pass.draw(0..3, 0..1);
-            pass.set_bind_group(1, &self.shadow_group, &[]);
-            pass.set_vertex_buffer(0, vertices.slice(..));
-            pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-            for layer in surfaces.layers {
-                pass.set_pipeline(
-                    &self.pipelines.surface[usize::from(layer.solid)][usize::from(layer.closed)],
-                );
-                pass.draw_indexed(layer.indices, 0, 0..1);
-            }
-        }
+        encode(&mut encoder, &frame, &groups, &triangles);
         let index = queue.submit([encoder.finish()]);
         let done = Arc::new(AtomicBool::new(false));
         let finished = done.clone();
@@ -250,61 +254,106 @@ impl Renderer {
         self.targets = Some(targets);
     }
 
-    fn build(gpu: &Gpu) -> Self {
+    /// Makes the list of what is drawn, and brings to the device what is not there.
+    fn list(&mut self, picture: &Picture, (width, height): (u32, u32)) {
+        let (device, queue) = (self.gpu.device(), self.gpu.queue());
+        let view = &picture.view;
+        let pixels = f64::from(width.min(height)) / view.field_diameter;
+        self.store.begin();
+        self.bodies
+            .update(device, queue, &picture.tissues, self.quality.steps());
+        self.draws.clear();
+        let mut meshes = 0;
+        let mut mesh = Mesh::default();
+        for item in picture.items.iter().filter(|item| item.opacity > 0.0) {
+            let (source, item) = match self.store.place(device, queue, item, pixels) {
+                Some((place, item)) => (Source::Shape(place), item),
+                None => {
+                    if self.loose.len() == meshes {
+                        self.loose.push(Triangles::new(device));
+                    }
+                    loose(&item.shape, &mut mesh);
+                    self.loose[meshes].write(device, queue, &mesh);
+                    meshes += 1;
+                    (Source::Loose(meshes - 1), item.clone())
+                }
+            };
+            self.draws.push(Draw {
+                source,
+                family: family_of(item.finish),
+                solid: item.opacity >= 1.0,
+                casts: item.opacity >= 1.0 && item.pattern == Pattern::Plain,
+                closed: !matches!(item.shape, Shape::Mesh { .. }),
+                instance: Instance::of_item(&item, view),
+            });
+        }
+        let tissues = picture.tissues.iter().enumerate();
+        self.draws.extend(tissues.map(|(number, tissue)| Draw {
+            source: Source::Body(number),
+            family: Family::Tissue,
+            solid: true,
+            casts: true,
+            closed: true,
+            instance: Instance::of_field(tissue.colour, view),
+        }));
+        sort(&mut self.draws);
+    }
+
+    fn maps(&self) -> Maps<'_> {
+        Maps {
+            layouts: &self.layouts,
+            shadow: &self.shadow,
+            compare: &self.compare,
+            filter: &self.filter,
+        }
+    }
+
+    fn build(gpu: &Gpu, quality: Quality) -> Self {
         let device = gpu.device();
-        let pipelines = Pipelines::new(device);
-        let scene = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("scene"),
-            size: size_of::<Scene>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let scene_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("scene"),
-            layout: &pipelines.scene_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: scene.as_entire_binding(),
-            }],
-        });
-        let shadow_view = texture(
-            device,
-            (SHADOW_SIDE, SHADOW_SIDE),
-            1,
-            DEPTH,
-            wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-        )
-        .create_view(&Default::default());
-        let shadow_sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("shadow"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            compare: Some(wgpu::CompareFunction::LessEqual),
-            ..Default::default()
-        });
-        let shadow_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("shadow"),
-            layout: &pipelines.shadow_layout,
-            entries: &[
-                wgpu::BindGroupEntry {
+        let layouts = Layouts::new(device);
+        let scenes = [0, 1].map(|_| {
+            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("scene"),
+                size: size_of::<Scene>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("scene"),
+                layout: &layouts.scene,
+                entries: &[wgpu::BindGroupEntry {
                     binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&shadow_view),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::Sampler(&shadow_sampler),
-                },
-            ],
+                    resource: buffer.as_entire_binding(),
+                }],
+            });
+            (buffer, group)
         });
+        let sampler = |compare| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                compare,
+                ..Default::default()
+            })
+        };
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+        let mut pipelines = [None, None, None];
+        pipelines[quality as usize] = Some(Pipelines::new(device, &layouts, quality));
         Self {
-            pipelines,
             gpu: gpu.clone(),
-            scene,
-            scene_group,
-            shadow_group,
-            shadow_view,
-            vertices: Upload::new(device, "vertices", wgpu::BufferUsages::VERTEX, FIRST_BYTES),
-            indices: Upload::new(device, "indices", wgpu::BufferUsages::INDEX, FIRST_BYTES),
+            quality,
+            pipelines,
+            layouts,
+            scenes,
+            shadow: texture(device, (SHADOW_SIDE, SHADOW_SIDE), 1, DEPTH, usage)
+                .create_view(&Default::default()),
+            compare: sampler(Some(wgpu::CompareFunction::LessEqual)),
+            filter: sampler(None),
+            instances: Upload::new(device, "instances", wgpu::BufferUsages::VERTEX, FIRST_BYTES),
+            store: Store::default(),
+            bodies: Bodies::default(),
+            loose: Vec::new(),
+            draws: Vec::new(),
             targets: None,
             under_way: VecDeque::new(),
         }
@@ -337,63 +386,5 @@ fn alive(gpu: &Gpu) -> Result<(), RenderError> {
             reason: reason.to_owned(),
         }),
         None => Ok(()),
-    }
-}
-
-fn scene_of(picture: &Picture, field_pixels: f64) -> Scene {
-    let View {
-        field_diameter,
-        working_distance,
-        ..
-    } = picture.view;
-    let (width, height) = (f64::from(picture.width), f64::from(picture.height));
-    let eye = 2.0 * working_distance / field_diameter;
-    let towards = nalgebra::Vector3::from(key_light_direction());
-    let across = nalgebra::Vector3::y().cross(&towards).normalize();
-    let along = towards.cross(&across);
-    let [far, near] = SHADOW_DEPTHS;
-    let row = |axis: nalgebra::Vector3<f64>, scale: f64| {
-        [axis.x, axis.y, axis.z, scale].map(|part| part as f32)
-    };
-    let texel = 2.0 * SHADOW_REACH / f64::from(SHADOW_SIDE);
-    let background = picture
-        .background
-        .map(|part| linear_from_srgb(f64::from(part)));
-    let single = |parts: [f64; 4]| parts.map(|part| part as f32);
-    Scene {
-        lens: single([
-            2.0 * field_pixels / width,
-            2.0 * field_pixels / height,
-            eye,
-            NEAR * eye,
-        ]),
-        light: [
-            row(across, 1.0 / SHADOW_REACH),
-            row(along, 1.0 / SHADOW_REACH),
-            row(towards, 1.0 / (near - far)),
-        ],
-        lamps: single([AMBIENT, COAXIAL, key_strength(), far]),
-        // The filter reaches two and a half texels; the lookup leaves the surface by as much.
-        background: single([background[0], background[1], background[2], 2.5 * texel]),
-        field: single([
-            0.5 * width,
-            0.5 * height,
-            field_pixels,
-            1.0 / f64::from(SHADOW_SIDE),
-        ]),
-    }
-}
-
-fn depth_attachment(
-    view: &wgpu::TextureView,
-    store: wgpu::StoreOp,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations {
-            load: wgpu::LoadOp::Clear(1.0),
-            store,
-        }),
-        stencil_ops: None,
     }
 }

@@ -2,50 +2,105 @@
 
 use crate::error::RenderError;
 use crate::image::Image;
+use crate::pipelines::Layouts;
+use crate::quality::Quality;
+use crate::stereo::{Stereo, StereoLayout};
 
-/// Samples per pixel for smooth edges; 4 is what every driver offers.
-pub(crate) const SAMPLES: u32 = 4;
 pub(crate) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(crate) const OPENNESS: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
-/// Textures of one picture size, and the buffer through which the pixels come back.
-pub(crate) struct Targets {
+/// What textures depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Form {
     pub width: u32,
     pub height: u32,
+    pub quality: Quality,
+    pub layout: StereoLayout,
+}
+
+/// Where one eye's picture is drawn.
+pub(crate) struct Eye {
+    /// Where surfaces are drawn, and what it is resolved to.
     pub samples: wgpu::TextureView,
+    pub resolved: Option<wgpu::TextureView>,
     pub depth: wgpu::TextureView,
-    pub resolved: wgpu::Texture,
+    pub half_depth: wgpu::TextureView,
+    pub raw: wgpu::TextureView,
+    pub open: wgpu::TextureView,
+    /// Where depth of field puts the picture.
+    pub focused: Option<wgpu::TextureView>,
+    /// The square around the round field: left, top, side \[pixels\].
+    pub square: [u32; 3],
+    pub light_group: wgpu::BindGroup,
+    pub depth_group: wgpu::BindGroup,
+    pub raw_group: wgpu::BindGroup,
+    pub focus_group: wgpu::BindGroup,
+}
+
+/// Textures of one form of pictures, and the buffer through which the pixels come back.
+pub(crate) struct Targets {
+    pub form: Form,
+    pub eyes: Vec<Eye>,
+    pub compose_group: Option<wgpu::BindGroup>,
+    pub picture: wgpu::Texture,
     pub view: wgpu::TextureView,
     readback: wgpu::Buffer,
     /// Bytes from one row to the next in `readback`.
     row_bytes: u32,
 }
 
+/// What the passes read besides.
+pub(crate) struct Maps<'a> {
+    pub layouts: &'a Layouts,
+    pub shadow: &'a wgpu::TextureView,
+    pub compare: &'a wgpu::Sampler,
+    pub filter: &'a wgpu::Sampler,
+}
+
 impl Targets {
-    pub fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
-        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let size = (width, height);
+    pub fn new(device: &wgpu::Device, form: Form, maps: &Maps<'_>) -> Self {
+        let Form { width, height, .. } = form;
         let align = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
         let row_bytes = (4 * width).div_ceil(align) * align;
-        let resolved = device.create_texture(&wgpu::TextureDescriptor {
+        let picture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("picture"),
             view_formats: &[COLOUR.remove_srgb_suffix()],
             ..description(
-                size,
+                (width, height),
                 1,
                 COLOUR,
-                attachment | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING,
+                wgpu::TextureUsages::RENDER_ATTACHMENT
+                    | wgpu::TextureUsages::COPY_SRC
+                    | wgpu::TextureUsages::TEXTURE_BINDING,
             )
         });
+        let view = picture.create_view(&Default::default());
+        let stereo = Stereo {
+            layout: form.layout,
+            ..Stereo::default()
+        };
+        let size = stereo.eye_size((width, height));
+        let outputs: Vec<wgpu::TextureView> = match form.layout {
+            StereoLayout::Mono => vec![view.clone()],
+            _ => (0..2).map(|_| drawn(device, size, 1)).collect(),
+        };
+        let eyes: Vec<Eye> = outputs
+            .iter()
+            .map(|output| Eye::new(device, size, form.quality, output, maps))
+            .collect();
+        let compose_group = match (outputs.as_slice(), eyes.as_slice()) {
+            ([left, right], [eye, _]) => {
+                Some(post_group(device, [left, right], &eye.half_depth, maps))
+            }
+            _ => None,
+        };
         Self {
-            width,
-            height,
-            samples: texture(device, size, SAMPLES, COLOUR, attachment)
-                .create_view(&Default::default()),
-            depth: texture(device, size, SAMPLES, DEPTH, attachment)
-                .create_view(&Default::default()),
-            view: resolved.create_view(&Default::default()),
-            resolved,
+            form,
+            eyes,
+            compose_group,
+            picture,
+            view,
             readback: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("readback"),
                 size: u64::from(row_bytes) * u64::from(height),
@@ -58,7 +113,7 @@ impl Targets {
 
     pub fn copy_back(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.copy_texture_to_buffer(
-            self.resolved.as_image_copy(),
+            self.picture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &self.readback,
                 layout: wgpu::TexelCopyBufferLayout {
@@ -67,7 +122,7 @@ impl Targets {
                     rows_per_image: None,
                 },
             },
-            self.resolved.size(),
+            self.picture.size(),
         );
     }
 
@@ -82,14 +137,126 @@ impl Targets {
         let mapped = slice
             .get_mapped_range()
             .map_err(|error| failed(error.to_string()))?;
-        let mut rgba8 = Vec::with_capacity(4 * self.width as usize * self.height as usize);
+        let width = 4 * self.form.width as usize;
+        let mut rgba8 = Vec::with_capacity(width * self.form.height as usize);
         for row in mapped.chunks_exact(self.row_bytes as usize) {
-            rgba8.extend_from_slice(&row[..4 * self.width as usize]);
+            rgba8.extend_from_slice(&row[..width]);
         }
         drop(mapped);
         self.readback.unmap();
-        Ok(Image::new(self.width, self.height, rgba8))
+        Ok(Image::new(self.form.width, self.form.height, rgba8))
     }
+}
+
+impl Eye {
+    fn new(
+        device: &wgpu::Device,
+        size: (u32, u32),
+        quality: Quality,
+        output: &wgpu::TextureView,
+        maps: &Maps<'_>,
+    ) -> Self {
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let bound = attachment | wgpu::TextureUsages::TEXTURE_BINDING;
+        let made = |size, samples, format, usage| {
+            texture(device, size, samples, format, usage).create_view(&Default::default())
+        };
+        // Where nothing at half size is drawn, there is one texel of it, which is bound.
+        let half = match quality.has_openness() {
+            true => (size.0.div_ceil(2), size.1.div_ceil(2)),
+            false => (1, 1),
+        };
+        let half_depth = made(half, 1, DEPTH, bound);
+        let (raw, open) = (
+            made(half, 1, OPENNESS, bound),
+            made(half, 1, OPENNESS, bound),
+        );
+        // Surfaces go to the samples, those to the sharp picture, that through depth of field to the output; what is not needed is left out.
+        let sharp = match quality.has_focus() {
+            true => drawn(device, size, 1),
+            false => output.clone(),
+        };
+        let samples = quality.samples();
+        let (samples, resolved) = match samples {
+            1 => (sharp.clone(), None),
+            _ => (made(size, samples, COLOUR, attachment), Some(sharp.clone())),
+        };
+        let layouts = maps.layouts;
+        let group = |label, layout, entries: &[wgpu::BindGroupEntry<'_>]| {
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(label),
+                layout,
+                entries,
+            })
+        };
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let view = wgpu::BindingResource::TextureView;
+        let focused = quality.has_focus().then(|| output.clone());
+        // A pass must not read what it writes: without depth of field its group is never used, and binds what is at hand.
+        let picture = if focused.is_some() { &sharp } else { &open };
+        let side = size.0.min(size.1);
+        Self {
+            square: [(size.0 - side) / 2, (size.1 - side) / 2, side],
+            light_group: group(
+                "light",
+                &layouts.light,
+                &[
+                    entry(0, view(maps.shadow)),
+                    entry(1, wgpu::BindingResource::Sampler(maps.compare)),
+                    entry(2, view(&open)),
+                    entry(3, wgpu::BindingResource::Sampler(maps.filter)),
+                ],
+            ),
+            depth_group: group("depth", &layouts.depth, &[entry(0, view(&half_depth))]),
+            raw_group: group(
+                "raw",
+                &layouts.raw,
+                &[
+                    entry(1, view(&raw)),
+                    entry(2, wgpu::BindingResource::Sampler(maps.filter)),
+                ],
+            ),
+            focus_group: post_group(device, [picture, picture], &half_depth, maps),
+            depth: made(size, quality.samples(), DEPTH, attachment),
+            samples,
+            resolved,
+            half_depth,
+            raw,
+            open,
+            focused,
+        }
+    }
+}
+
+fn post_group(
+    device: &wgpu::Device,
+    [left, right]: [&wgpu::TextureView; 2],
+    depth: &wgpu::TextureView,
+    maps: &Maps<'_>,
+) -> wgpu::BindGroup {
+    let view = wgpu::BindingResource::TextureView;
+    let resources = [
+        view(left),
+        view(right),
+        view(depth),
+        wgpu::BindingResource::Sampler(maps.filter),
+    ];
+    let entries: Vec<wgpu::BindGroupEntry<'_>> = resources
+        .into_iter()
+        .zip(0..)
+        .map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("post"),
+        layout: &maps.layouts.post,
+        entries: &entries,
+    })
+}
+
+/// A picture that later passes read.
+fn drawn(device: &wgpu::Device, size: (u32, u32), samples: u32) -> wgpu::TextureView {
+    let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+    texture(device, size, samples, COLOUR, usage).create_view(&Default::default())
 }
 
 /// A plain 2D texture.

@@ -34,11 +34,8 @@ fn picture(items: Vec<Item>) -> Picture {
         tilt: 0.0,
     };
     Picture {
-        width: SIDE,
-        height: SIDE,
-        view,
         background: [0.0, 0.0, 1.0],
-        items,
+        ..Picture::new((SIDE, SIDE), view, items)
     }
 }
 

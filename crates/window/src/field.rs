@@ -6,8 +6,9 @@ use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use microsim_gpu::Gpu;
 use microsim_message::{ObjectScene, ToolPlacements, ToolStates};
-use microsim_render::{Picture, Renderer, snapshot};
+use microsim_render::{Models, Picture, Quality, Renderer, snapshot};
 use microsim_settings::RendererConfig;
+use std::time::Instant;
 
 /// Smallest side of a picture \[pixels\].
 const LEAST_SIDE: u32 = 64;
@@ -18,7 +19,12 @@ pub struct Field {
     renderer: Renderer,
     /// Where the picture is for egui, with its size \[pixels\].
     shown: Option<(TextureId, [u32; 2])>,
+    /// Whether this machine's quality was measured.
+    has_measured: bool,
 }
+
+/// Pictures per second for which a quality is chosen.
+const WANTED_RATE: f64 = 25.0;
 
 impl Field {
     /// Draws with the device of the window.
@@ -33,7 +39,20 @@ impl Field {
             state: state.clone(),
             renderer,
             shown: None,
+            has_measured: false,
         })
+    }
+
+    /// How much is done for a picture: with the first one the highest is chosen that this machine draws 25 times in a second, which takes a second.
+    pub fn quality(&self) -> Quality {
+        self.renderer.quality()
+    }
+
+    /// The next quality, after the highest the lowest.
+    pub fn change_quality(&mut self) {
+        let place = Quality::ALL.iter().position(|q| *q == self.quality());
+        let next = place.map_or(0, |place| (place + 1) % Quality::ALL.len());
+        self.renderer.set_quality(Quality::ALL[next]);
     }
 
     /// Draws a snapshot `size` pixels wide and high.
@@ -43,6 +62,7 @@ impl Field {
     pub fn draw(
         &mut self,
         config: &RendererConfig,
+        models: &Models,
         snapshot: &Snapshot,
         size: [u32; 2],
     ) -> Result<TextureId, String> {
@@ -50,8 +70,16 @@ impl Field {
         let picture = Picture {
             width,
             height,
-            ..picture_of(config, snapshot)
+            ..picture_of(config, models, snapshot)
         };
+        if !self.has_measured {
+            let start = Instant::now();
+            let mut seconds = || start.elapsed().as_secs_f64();
+            let proposal = self.renderer.propose(&picture, WANTED_RATE, &mut seconds);
+            self.renderer
+                .set_quality(proposal.map_err(|e| e.to_string())?.quality);
+            self.has_measured = true;
+        }
         self.renderer.render(&picture).map_err(|e| e.to_string())?;
         self.texture([width, height])
     }
@@ -83,10 +111,13 @@ impl Field {
 }
 
 /// What is to be seen of a snapshot. Placements count in their own tick alone.
-fn picture_of(config: &RendererConfig, seen: &Snapshot) -> Picture {
+fn picture_of(config: &RendererConfig, models: &Models, seen: &Snapshot) -> Picture {
     let objects = seen.latest::<ObjectScene>().unwrap_or_default();
     let tools = seen.latest::<ToolStates>().unwrap_or_default();
     let placements = seen.latest::<ToolPlacements>();
     let placements = placements.filter(|placed| placed.tick == seen.tick);
-    snapshot::picture(config, &objects, &tools, placements.as_ref(), seen.bodies())
+    let mut picture =
+        snapshot::picture(config, &objects, &tools, placements.as_ref(), seen.bodies());
+    picture.items.extend(models.items(&objects));
+    picture
 }

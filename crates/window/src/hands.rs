@@ -195,7 +195,7 @@ impl Hands {
         }
     }
 
-    /// The button is no longer pressed: jaws that are not kept closed open.
+    /// The button is no longer pressed: jaws open that are not to stay closed.
     pub fn release(&mut self) -> Option<DesktopInput> {
         let tool = self.closing.take()?;
         (!self.keeps[tool]).then(|| DesktopInput {

@@ -1,4 +1,4 @@
-//! A run in a thread of its own, and what the window exchanges with it: wishes for the tools one way, the newest snapshot the other. No queue of snapshots:
+//! A run in a thread of its own, and what the window exchanges with it: wishes for the tools go there, the newest snapshot comes back. No queue of snapshots:
 //! one that was not drawn when the next is finished is dropped.
 
 use crate::station::{Debrief, LiveSession};
@@ -6,14 +6,14 @@ use microsim_bus::{Block, BlockView, Frames, kind_id};
 use microsim_host::run::{Operator, Seen};
 use microsim_message::{
     DesktopInput, LevelEvent, LevelState, Message, MicroscopeView, ObjectScene, SolverTick,
-    TISSUE_SNAPSHOT, ToolPlacements, ToolStates, decode, push,
+    ToolPlacements, ToolStates, decode, push,
 };
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-/// Ticks whose durations are kept: eight seconds of 8 ms.
+/// Ticks whose durations are remembered: eight seconds of 8 ms.
 const TICKS: usize = 1000;
 
 /// The newest state of a run.
@@ -36,11 +36,9 @@ impl Snapshot {
         decode::<M>(&frame)?.ok()
     }
 
-    /// The surfaces of the bodies.
+    /// What is known of the bodies.
     pub fn bodies(&self) -> impl Iterator<Item = BlockView<'_>> {
-        let kind = kind_id(TISSUE_SNAPSHOT);
-        let views = self.blocks.iter().map(Block::view);
-        views.filter(move |view| view.kind() == kind)
+        self.blocks.iter().map(Block::view)
     }
 }
 

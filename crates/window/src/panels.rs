@@ -6,6 +6,7 @@ use crate::station::{LevelEntry, ModuleEntry, ToolEntry};
 use crate::text::{self, Phrase, local, number};
 use eframe::egui::{self, RichText, Ui};
 use microsim_message::{LevelEvent, LevelState, ToolState, ToolStatus};
+use microsim_render::Quality;
 use microsim_vocabulary::Language;
 
 /// Events that are shown, the newest last.
@@ -140,7 +141,7 @@ pub fn help(ui: &mut Ui, language: Language) {
 }
 
 /// Shows how well the run follows the wall clock.
-pub fn pace(ui: &mut Ui, pace: &Pace, pictures: Option<f64>, language: Language) {
+pub fn pace(ui: &mut Ui, pace: &Pace, pictures: Option<f64>, quality: Quality, language: Language) {
     ui.add_space(6.0);
     ui.label(look::quiet(text::SPEED_OF_RUN.of(language)).strong());
     let shown = |value: Option<f64>, decimals| match value {
@@ -151,6 +152,16 @@ pub fn pace(ui: &mut Ui, pace: &Pace, pictures: Option<f64>, language: Language)
     ui.label(look::quiet(format!(
         "{} p50 {p50}, p99 {p99} ms",
         text::TICK.of(language)
+    )));
+    let quality = match quality {
+        Quality::Low => text::LOW,
+        Quality::Medium => text::MEDIUM,
+        Quality::High => text::HIGH,
+    };
+    ui.label(look::quiet(format!(
+        "{} {} (F2)",
+        text::QUALITY.of(language),
+        quality.of(language)
     )));
     let rate = shown(pictures, 0);
     ui.label(look::quiet(format!(

@@ -1,7 +1,7 @@
 //! What the window needs of the station at which it is opened.
 
 use microsim_host::run::{Operator, RunOutcome};
-use microsim_message::LocalText;
+use microsim_message::{LocalText, SetupFile};
 use microsim_report::Report;
 use microsim_settings::{Desktop, RendererConfig};
 use std::path::PathBuf;
@@ -96,6 +96,9 @@ pub trait Station {
 pub trait LiveSession: Send {
     /// What is seen of it, and how.
     fn picture(&self) -> &RendererConfig;
+
+    /// The files of models that objects of the level have, by their names.
+    fn files(&self) -> &[SetupFile];
 
     /// How mouse and keyboard move the tools; `None` where something else does.
     fn desktop(&self) -> Option<&Desktop>;

@@ -13,6 +13,7 @@ use microsim_message::{
     CategoryScore, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText, MetricRecord, Pose,
     ToolState, ToolStatus,
 };
+use microsim_render::Quality;
 use microsim_report::{ReportBuilder, ReportInput};
 use microsim_vocabulary::Language;
 use std::path::PathBuf;
@@ -259,7 +260,7 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
                 panels::instruments(ui, &[instrument(0), instrument(1)], language);
                 panels::scope(ui, 8.0, language);
                 panels::help(ui, language);
-                panels::pace(ui, &Pace::default(), Some(24.0), language);
+                panels::pace(ui, &Pace::default(), Some(24.0), Quality::Low, language);
             });
     };
     everywhere("panels", show);
@@ -318,7 +319,7 @@ fn the_debrief_has_room_for_its_texts() {
     let debrief = Debrief {
         report,
         session: PathBuf::from(
-            "/home/somebody/.local/share/microsim/sessions/a-long-name-of-a-session.session",
+            "/home/somebody/microsim/sessions/a-long-name-of-a-session.session",
         ),
         page: PathBuf::from("page.html"),
         complaints: vec!["the result is not in the store".into()],

@@ -64,6 +64,10 @@ phrases! {
     TARGETS: "Ziele", "Targets";
     STARTING: "Das Gewebe wird vorbereitet …", "The tissue is being prepared …";
     MICROSCOPE: "Mikroskop", "Microscope";
+    QUALITY: "Bildgüte", "Picture quality";
+    LOW: "niedrig", "low";
+    MEDIUM: "mittel", "medium";
+    HIGH: "hoch", "high";
     START: "Los", "Start";
     PAUSED: "Pause – die Zeit steht", "Paused – time stands";
     RESUME: "Weiter", "Resume";

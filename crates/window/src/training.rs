@@ -10,6 +10,7 @@ use crate::text;
 use crate::{look, panels};
 use eframe::egui::{self, Key, Rect, RichText, Sense, TextureId, Ui};
 use microsim_message::{LevelState, ToolStates};
+use microsim_render::{Models, Quality};
 use microsim_settings::RendererConfig;
 use microsim_vocabulary::Language;
 use std::collections::VecDeque;
@@ -27,6 +28,7 @@ pub struct Training {
     module: ModuleEntry,
     level: LevelEntry,
     config: RendererConfig,
+    models: Models,
     live: Live,
     scope: Scope,
     /// `None` where a tracker, a script or a recording moves the tools.
@@ -63,6 +65,9 @@ impl Training {
         context: &egui::Context,
     ) -> Result<Self, String> {
         let config = session.picture().clone();
+        let files = session.files().iter();
+        let files: Vec<(&str, &[u8])> = files.map(|f| (&f.name[..], &f.bytes[..])).collect();
+        let models = Models::new(&files)?;
         let slots = level.tools.iter().map(|tool| tool.slot.clone());
         let hands = session.desktop();
         let hands = hands.map(|desktop| Hands::new(slots.collect(), *desktop, config.view));
@@ -76,6 +81,7 @@ impl Training {
             level: level.clone(),
             scope: Scope::new(config.view),
             config,
+            models,
             live: Live::start(session, wake)?,
             hands,
             has_begun: false,
@@ -98,7 +104,10 @@ impl Training {
         let is_new = newest.is_some();
         self.snapshot = newest.or(self.snapshot.take());
         self.show_task(ui, language);
-        self.show_instruments(ui, language);
+        if ui.input(|input| input.key_pressed(Key::F2)) {
+            field.change_quality();
+        }
+        self.show_instruments(ui, field.quality(), language);
         let shown = egui::CentralPanel::default()
             .frame(egui::Frame::NONE.fill(egui::Color32::BLACK))
             .show(ui, |ui| self.show_picture(ui, field, is_new, language));
@@ -139,7 +148,7 @@ impl Training {
         panel.show(ui, |ui| task.show(ui, language));
     }
 
-    fn show_instruments(&self, ui: &mut Ui, language: Language) {
+    fn show_instruments(&self, ui: &mut Ui, quality: Quality, language: Language) {
         let states = self
             .snapshot
             .as_ref()
@@ -168,7 +177,7 @@ impl Training {
             if hands.is_some() {
                 panels::help(ui, language);
             }
-            panels::pace(ui, &pace, self.rate(), language);
+            panels::pace(ui, &pace, self.rate(), quality, language);
         });
     }
 
@@ -186,7 +195,7 @@ impl Training {
         if let Some(snapshot) = &self.snapshot
             && (is_new || self.picture.is_none())
         {
-            match field.draw(&self.config, snapshot, size) {
+            match field.draw(&self.config, &self.models, snapshot, size) {
                 Ok(picture) => {
                     self.picture = Some(picture);
                     self.complaint = None;

@@ -8,7 +8,8 @@
 use microsim_gpu::Gpu;
 use microsim_render::{Models, Picture, Renderer, snapshot};
 use microsim_sdk::message::{
-    ObjectScene, PictureRequest, TISSUE_SNAPSHOT, ToolPlacements, ToolStates,
+    ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT, ToolPlacements,
+    ToolStates,
 };
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::RendererConfig;
@@ -32,7 +33,8 @@ impl PictureRenderer {
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default();
         let placements = tick.latest::<ToolPlacements>()?;
         let placements = placements.filter(|placed| placed.tick == tick.index());
-        let blocks = tick.blocks(TISSUE_SNAPSHOT);
+        let kinds = [TISSUE_SNAPSHOT, TISSUE_REST, TISSUE_ELEMENTS];
+        let blocks = kinds.into_iter().flat_map(|kind| tick.blocks(kind));
         let mut picture = snapshot::picture(config, &objects, &tools, placements.as_ref(), blocks);
         picture.items.extend(models.items(&objects));
         Ok(picture)

@@ -2,7 +2,7 @@
 
 use crate::scene_file::SceneFile;
 use microsim_gpu::Gpu;
-use microsim_render::{DRAPE, Finish, Item, Picture, Renderer, Shape, View};
+use microsim_render::{Finish, Item, Picture, Renderer, Shape, Tissue, View, snapshot};
 use microsim_scene::{ObstaclePart, ObstacleShape, ObstacleSpec, Runner, Scene};
 use microsim_settings::{self as settings, unwritable};
 use std::path::{Path, PathBuf};
@@ -12,15 +12,18 @@ const SIZE: u32 = 960;
 /// The field and the tilt \[rad\] of a scene that does not state them: the field is this many times as wide as its bodies are long.
 const FIELD: f64 = 1.3;
 const TILT: f64 = 0.9;
-/// Tools, as the shipped ones are.
+/// Tools with capsules of their own.
 const METAL: [f32; 3] = [0.83, 0.85, 0.86];
 /// A folder into which a run is drawn.
 pub struct Pictures {
     folder: PathBuf,
     renderer: Renderer,
     view: View,
-    bodies: Vec<([f32; 3], Finish)>,
+    /// Colour of each body, and whether it is a vein by its name.
+    bodies: Vec<([f32; 3], bool)>,
     rigid: Vec<Item>,
+    /// Of each tool its name in `config/tools` and its shape; those with capsules of their own have none.
+    models: Vec<Option<(String, settings::Tool)>>,
     /// Time between two pictures \[s\], and the time of the next one.
     interval: f64,
     next: f64,
@@ -43,10 +46,11 @@ impl Pictures {
                 .flat_map(|(given, obstacle)| rigid(given, obstacle, view.field_diameter))
                 .collect(),
             view,
+            models: models(scene)?,
             bodies: settings
                 .body
                 .iter()
-                .map(|body| (colour(body.colour), body.finish))
+                .map(|body| (colour(body.colour), body.name.contains("vein")))
                 .collect(),
             interval: settings.run.frame,
             next: 0.0,
@@ -64,39 +68,52 @@ impl Pictures {
             return Ok(());
         }
         self.next = time + self.interval;
-        let bodies = self.bodies.iter().enumerate().flat_map(|(body, look)| {
-            let positions = scene.body(body).positions().iter();
-            let positions = positions.map(|p| p.map(|c| c as f32).into()).collect();
-            let triangles = &scene.body(body).surface().triangles;
-            Item::tissue(
-                positions,
-                triangles,
-                scene.body(body).opened(),
-                look.0,
-                look.1,
-            )
-        });
-        let capsules = (0..scene.tool_count()).flat_map(|tool| scene.own_capsules(tool));
-        let tools = capsules.map(|capsule| {
-            let shape = Shape::Capsule {
-                a: capsule.a.into(),
-                b: capsule.b.into(),
-                radius: capsule.radius,
+        let bodies = self.bodies.iter().enumerate().map(|(index, look)| {
+            let body = scene.body(index);
+            let points = |points: &[nalgebra::Vector3<f64>]| -> Vec<[f32; 3]> {
+                points.iter().map(|p| p.map(|c| c as f32).into()).collect()
             };
-            Item::new(shape, [0.0; 3], METAL, Finish::Metal)
+            Tissue {
+                body: index as u64,
+                node_ids: body.node_ids().to_vec(),
+                positions: points(body.positions()),
+                rest: points(body.rest_positions()),
+                triangles: body.surface().triangles.clone(),
+                inner: body.opened().to_vec(),
+                regions: body.triangle_regions().collect(),
+                colour: look.0,
+                vein: look.1,
+                ..Tissue::default()
+            }
         });
+        let motions = scene.own_motions(time, time);
+        let tools = motions
+            .iter()
+            .flat_map(|motion| match &self.models[motion.tool] {
+                Some((name, model)) => {
+                    let pose = microsim_message::Pose {
+                        position: motion.to.position.into(),
+                        orientation: motion.to.orientation.coords.into(),
+                    };
+                    snapshot::tool(name, model, pose, motion.opening_to, 1.0)
+                }
+                None => {
+                    let capsules = scene.own_capsules(motion.tool).into_iter();
+                    let item = capsules.map(|capsule| {
+                        let shape = Shape::Capsule {
+                            a: capsule.a.into(),
+                            b: capsule.b.into(),
+                            radius: capsule.radius,
+                        };
+                        Item::new(shape, [0.0; 3], METAL, Finish::Metal)
+                    });
+                    item.collect()
+                }
+            });
+        let items = self.rigid.iter().cloned().chain(tools).collect();
         let picture = Picture {
-            width: SIZE,
-            height: SIZE,
-            view: self.view,
-            background: DRAPE,
-            items: self
-                .rigid
-                .iter()
-                .cloned()
-                .chain(bodies)
-                .chain(tools)
-                .collect(),
+            tissues: bodies.collect(),
+            ..Picture::new((SIZE, SIZE), self.view, items)
         };
         let image = self.renderer.draw(&picture).map_err(|e| e.to_string())?;
         let path = self.folder.join(format!("frame-{:06}.png", self.count));
@@ -111,6 +128,21 @@ impl Pictures {
     pub fn finish(self) -> (PathBuf, usize) {
         (self.folder, self.count)
     }
+}
+
+/// The shapes of tools that are some of `config/tools`.
+fn models(scene: &SceneFile) -> Result<Vec<Option<(String, settings::Tool)>>, String> {
+    let folder = scene.loaded.document.path();
+    let folder = folder.parent().unwrap_or(Path::new("")).join("../tools");
+    let model = |tool: &settings::SceneTool| {
+        let Some(name) = &tool.model else {
+            return Ok(None);
+        };
+        let loaded = settings::load_tool(&folder.join(name).with_extension("toml"));
+        let loaded = loaded.map_err(|error| error.to_string())?;
+        Ok(Some((name.clone(), loaded.settings)))
+    };
+    scene.loaded.settings.tool.iter().map(model).collect()
 }
 
 /// The view that the scene states, or all bodies as they lie at the start.

@@ -1,15 +1,13 @@
-//! From one shape to its triangles.
+//! From one shape to its triangles, in the frame of its item.
 //!
 //! Everything round is a surface of revolution, made by one function from a profile; the number of steps follows the size on
-//! the screen. Positions are taken to the view frame in f64, so that a field far from the caller's origin loses nothing.
+//! the screen.
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{Surfaces, Vertex, view_from_field};
-use crate::light::linear_from_srgb;
-use crate::picture::{Item, Shape, View};
-use microsim_vocabulary::Finish;
+use crate::mesh::Mesh;
+use crate::shape::Shape;
 
 /// A chord may leave the circle that it stands for by this much \[pixels\]: a quarter is below what the eye sees.
 const CHORD_ERROR: f64 = 0.25;
@@ -22,44 +20,23 @@ struct ProfilePoint {
     normal: [f64; 2],
 }
 
-/// Places the triangles of one item.
-pub(crate) struct Tessellator<'a> {
-    rotation: Matrix3<f64>,
-    /// Item's origin in the view frame \[field radii\].
-    origin: Vector3<f64>,
-    /// Field radii per metre.
-    scale: f64,
+/// Triangulates a shape (checked before) of which a metre takes this many pixels.
+pub(crate) fn triangulate(shape: &Shape, pixels: f64) -> Mesh {
+    let mut mesh = Mesh::default();
+    Tessellator::new(pixels, &mut mesh).shape(shape);
+    mesh
+}
+
+/// Makes the triangles of one shape.
+struct Tessellator<'a> {
     /// Pixels per metre in the plane of focus.
     pixels: f64,
-    colour: [f32; 4],
-    finish: f32,
-    out: &'a mut Surfaces,
+    out: &'a mut Mesh,
 }
 
 impl<'a> Tessellator<'a> {
-    pub fn new(item: &Item, view: &View, field_pixels: f64, out: &'a mut Surfaces) -> Self {
-        let scale = 2.0 / view.field_diameter;
-        let [x, y, z, w] = item.orientation;
-        let field_from_item = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))
-            .to_rotation_matrix()
-            .into_inner();
-        let tilted = view_from_field(view.tilt);
-        let linear = item
-            .colour
-            .map(|part| linear_from_srgb(f64::from(part)) as f32);
-        Self {
-            rotation: tilted * field_from_item,
-            origin: tilted * (Vector3::from(item.position) - Vector3::from(view.centre)) * scale,
-            scale,
-            pixels: scale * field_pixels,
-            colour: [linear[0], linear[1], linear[2], item.opacity],
-            finish: match item.finish {
-                Finish::Matte => 0.0,
-                Finish::Moist => 1.0,
-                Finish::Metal => 2.0,
-            },
-            out,
-        }
+    pub fn new(pixels: f64, out: &'a mut Mesh) -> Self {
+        Self { pixels, out }
     }
 
     /// Adds the triangles of `shape`.
@@ -78,6 +55,8 @@ impl<'a> Tessellator<'a> {
                 radius_b,
             } => self.taper((*a).into(), (*b).into(), *radius_a, *radius_b),
             Shape::Box { half } => self.cuboid(half),
+            Shape::RoundedBox { half, radius } => self.rounded_box(half, *radius),
+            Shape::Model(model) => self.out.clone_from(model.mesh()),
             Shape::Cylinder { radius, height } => {
                 self.along_z(&cone_profile(*radius, *radius, 0.0, *height))
             }
@@ -101,18 +80,9 @@ impl<'a> Tessellator<'a> {
         }
     }
 
-    /// Adds a corner given in the item's frame \[m\] and returns its index.
+    /// Adds a corner \[m\] and returns its index.
     fn corner(&mut self, point: Vector3<f64>, normal: Vector3<f64>) -> u32 {
-        let position = self.origin + self.rotation * point * self.scale;
-        let normal = self.rotation * normal;
-        let index = self.out.vertices.len() as u32;
-        self.out.vertices.push(Vertex {
-            position: position.map(|part| part as f32).into(),
-            normal: normal.map(|part| part as f32).into(),
-            colour: self.colour,
-            finish: self.finish,
-        });
-        index
+        self.out.push(point, normal)
     }
 
     /// Even number of straight steps for a full circle of `radius` \[m\].
@@ -221,6 +191,48 @@ impl<'a> Tessellator<'a> {
         }
     }
 
+    /// A cuboid whose edges and corners are rounded: each face of a cube is divided at the same places, and what lies in the rim of a face goes out to the
+    /// ball about the nearest point of the inner cuboid.
+    fn rounded_box(&mut self, half: &[f64; 3], radius: f64) {
+        let radius = half.iter().fold(radius, |least, side| least.min(*side));
+        let places = [-1.0_f64, -0.5, 0.0, 0.0, 0.5, 1.0];
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+                let first = self.out.vertices.len() as u32;
+                for (column, along_u) in places.iter().enumerate() {
+                    for (row, along_v) in places.iter().enumerate() {
+                        // Which corner of the inner cuboid, and how far in the rim: an eighth of a turn at its end.
+                        let sign = |place: usize| if place < 3 { -1.0 } else { 1.0 };
+                        let mut centre = Vector3::zeros();
+                        let mut outward = Vector3::zeros();
+                        centre[axis] = side * (half[axis] - radius);
+                        outward[axis] = side;
+                        for (k, place, along) in [(u, column, along_u), (v, row, along_v)] {
+                            centre[k] = sign(place) * (half[k] - radius);
+                            outward[k] = libm::tan(0.25 * PI * along.abs()) * sign(place);
+                        }
+                        let normal = outward.normalize();
+                        self.corner(centre + normal * radius, normal);
+                    }
+                }
+                let side_of = |a: u32, b: u32, c: u32| match side > 0.0 {
+                    true => [a, b, c],
+                    false => [a, c, b],
+                };
+                let count = places.len() as u32;
+                for column in 0..count - 1 {
+                    for row in 0..count - 1 {
+                        let a = first + column * count + row;
+                        let (b, c, d) = (a + count, a + count + 1, a + 1);
+                        self.out.indices.extend(side_of(a, b, c));
+                        self.out.indices.extend(side_of(a, c, d));
+                    }
+                }
+            }
+        }
+    }
+
     fn ring(&mut self, radius: f64, tube: f64, fraction: f64) {
         let around = (self.circle_steps(radius + tube) as f64 * fraction)
             .ceil()
@@ -312,22 +324,17 @@ fn frame_along(axis: Vector3<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::VIEW;
 
-    fn build(shape: Shape) -> Surfaces {
-        Surfaces::build(
-            &[Item::new(shape, [0.0; 3], [1.0; 3], Finish::Matte)],
-            &VIEW,
-            400.0,
-        )
+    fn build(shape: Shape) -> Mesh {
+        triangulate(&shape, 400.0)
     }
 
-    fn point(surfaces: &Surfaces, index: u32) -> Vector3<f64> {
-        Vector3::from(surfaces.vertices[index as usize].position.map(f64::from))
+    fn point(mesh: &Mesh, index: u32) -> Vector3<f64> {
+        Vector3::from(mesh.vertices[index as usize].position.map(f64::from))
     }
 
     /// Volume by the divergence theorem; positive when every triangle is seen anticlockwise from outside.
-    fn volume(surfaces: &Surfaces) -> f64 {
+    fn volume(surfaces: &Mesh) -> f64 {
         surfaces
             .indices
             .chunks_exact(3)
@@ -364,6 +371,17 @@ mod tests {
                     half: [0.1, 0.2, 0.3],
                 },
                 0.048,
+            ),
+            // Without the rim: a box less what rounding takes of edges and corners, Minkowski's sum of a cuboid and a ball.
+            (
+                Shape::RoundedBox {
+                    half: [0.3, 0.4, 0.5],
+                    radius: 0.1,
+                },
+                0.4 * 0.6 * 0.8
+                    + 2.0 * 0.1 * (0.4 * 0.6 + 0.6 * 0.8 + 0.4 * 0.8)
+                    + PI * 0.01 * (0.4 + 0.6 + 0.8)
+                    + 4.0 / 3.0 * PI * 0.001,
             ),
             (
                 Shape::Cylinder {
