@@ -19,9 +19,9 @@ fn is_mark([r, g, b]: [u8; 3]) -> bool {
     r > 150 && (60..190).contains(&g) && b < 70 && i16::from(r) - i16::from(g) > 60
 }
 
-/// The blue of the scissors; that of buttons is brighter.
+/// The blue of the scissors; that of buttons is brighter, the mat is greener.
 fn is_scissors([r, g, b]: [u8; 3]) -> bool {
-    b > 110 && g < 150 && i16::from(b) - i16::from(r) > 50 && i16::from(b) - i16::from(g) > 30
+    b > 55 && g < 150 && i16::from(b) - i16::from(r) > 25 && i16::from(b) - i16::from(g) > 18
 }
 
 /// The green of a verdict.

@@ -17,8 +17,8 @@ const LEAST_SIDE: u32 = 64;
 pub struct Field {
     state: RenderState,
     renderer: Renderer,
-    /// Where the picture is for egui, with its size \[pixels\].
-    shown: Option<(TextureId, [u32; 2])>,
+    /// Where the picture is for egui, with its texture, which is another one after a change of size or quality.
+    shown: Option<(TextureId, wgpu::Texture)>,
     /// Whether this machine's quality was measured.
     has_measured: bool,
 }
@@ -81,16 +81,16 @@ impl Field {
             self.has_measured = true;
         }
         self.renderer.render(&picture).map_err(|e| e.to_string())?;
-        self.texture([width, height])
+        self.texture()
     }
 
-    fn texture(&mut self, size: [u32; 2]) -> Result<TextureId, String> {
-        if let Some((id, shown)) = self.shown
-            && shown == size
-        {
-            return Ok(id);
-        }
+    fn texture(&mut self) -> Result<TextureId, String> {
         let texture = self.renderer.texture().ok_or("nothing was drawn")?;
+        if let Some((id, shown)) = &self.shown
+            && shown == texture
+        {
+            return Ok(*id);
+        }
         // egui blends encoded colours.
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
             format: Some(wgpu::TextureFormat::Rgba8Unorm),
@@ -105,7 +105,7 @@ impl Field {
             }
             None => egui.register_native_texture(device, &view, filter),
         };
-        self.shown = Some((id, size));
+        self.shown = Some((id, texture.clone()));
         Ok(id)
     }
 }

@@ -318,9 +318,7 @@ fn the_debrief_has_room_for_its_texts() {
     report.reasons = vec![words(9), words(14)];
     let debrief = Debrief {
         report,
-        session: PathBuf::from(
-            "/home/somebody/microsim/sessions/a-long-name-of-a-session.session",
-        ),
+        session: PathBuf::from("/home/somebody/microsim/sessions/a-long-name-of-a-session.session"),
         page: PathBuf::from("page.html"),
         complaints: vec!["the result is not in the store".into()],
     };

@@ -6,7 +6,7 @@
 #![forbid(unsafe_code)]
 
 use microsim_gpu::Gpu;
-use microsim_render::{Models, Picture, Renderer, snapshot};
+use microsim_render::{Models, Picture, Quality, Renderer, snapshot};
 use microsim_sdk::message::{
     ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT, ToolPlacements,
     ToolStates,
@@ -55,7 +55,10 @@ impl Plugin for PictureRenderer {
         self.models = Models::new(&files).map_err(Fault::new)?;
         let gpu = Gpu::off_screen().map_err(|error| Fault::unavailable(error.to_string()))?;
         let renderer = Renderer::new(&gpu);
-        self.renderer = Some(renderer.map_err(|error| Fault::unavailable(error.to_string()))?);
+        let mut renderer = renderer.map_err(|error| Fault::unavailable(error.to_string()))?;
+        // Whoever looks at a file has time, with a software driver too.
+        renderer.set_quality(Quality::Medium);
+        self.renderer = Some(renderer);
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use crate::scene_file::SceneFile;
 use microsim_gpu::Gpu;
-use microsim_render::{Finish, Item, Picture, Renderer, Shape, Tissue, View, snapshot};
+use microsim_render::{Finish, Item, Picture, Quality, Renderer, Shape, Tissue, View, snapshot};
 use microsim_scene::{ObstaclePart, ObstacleShape, ObstacleSpec, Runner, Scene};
 use microsim_settings::{self as settings, unwritable};
 use std::path::{Path, PathBuf};
@@ -35,7 +35,9 @@ impl Pictures {
     pub fn new(folder: &Path, scene: &SceneFile) -> Result<Self, String> {
         std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, e))?;
         let gpu = Gpu::off_screen().map_err(|e| e.to_string())?;
-        let renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
+        let mut renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
+        // Whoever looks at a file has time, with a software driver too.
+        renderer.set_quality(Quality::Medium);
         let settings = &scene.loaded.settings;
         let view = view(settings.view, scene.runner.scene());
         let obstacles = settings.rigid.iter().zip(&scene.spec.obstacles);
