@@ -142,7 +142,7 @@ enum Kill {
 const AFTER_END: Duration = Duration::from_millis(60);
 
 /// Runs `runs` sessions of `trainees` trainees, two at a time on one store, and kills one of each two: of these in turn one at a moment that is
-/// random over a little more than the length of a run, and one up to [`AFTER_END`] after its session has an end.
+/// random over a little more than the length of a run, and one up to 60 ms after its session has an end.
 ///
 /// # Panics
 /// If the program cannot be run.

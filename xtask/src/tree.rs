@@ -204,9 +204,8 @@ fn decides_level(place: &Path) -> bool {
     matches!(
         parts[..],
         ["modules", _, "module.toml"]
-            | ["modules", _, "levels", _]
+            | ["modules", _, "levels" | "assets", _]
             | ["modules", _, "levels", "meshes", _]
-            | ["modules", _, "assets", _]
             | ["assets", _]
             | ["config", "tools" | "vessels", _]
     )

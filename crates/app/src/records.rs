@@ -233,7 +233,7 @@ pub fn closed_courses(
             && let Some(next) = progress.next()
         {
             closed.push(ComesFirst {
-                course: course.to_string(),
+                course: course.clone(),
                 module: next.step.module.clone(),
                 level: next.step.level,
             });

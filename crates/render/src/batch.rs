@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
+use crate::family::Family;
 use crate::light::linear_from_srgb;
 use crate::picture::{Item, Pattern, View};
-use crate::pipelines::Family;
 use microsim_vocabulary::Finish;
 
 /// One drawing of some triangles, as the vertex shader reads it.

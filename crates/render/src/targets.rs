@@ -2,7 +2,7 @@
 
 use crate::error::RenderError;
 use crate::image::Image;
-use crate::pipelines::Layouts;
+use crate::layouts::Layouts;
 use crate::quality::Quality;
 use crate::stereo::{Stereo, StereoLayout};
 

@@ -14,7 +14,7 @@ pub enum Next {
     /// The same level.
     Again,
     /// The one after it.
-    NextLevel,
+    Onward,
     /// The modules.
     Back,
 }
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, debrief: &Debrief, has_next: bool, language: Language) 
                     false => egui::Button::new(text.of(language)),
                 };
                 if has_next && ui.add(button(text::NEXT_LEVEL, has_passed)).clicked() {
-                    next = Some(Next::NextLevel);
+                    next = Some(Next::Onward);
                 }
                 if ui.add(button(text::AGAIN, !has_passed)).clicked() {
                     next = Some(Next::Again);

@@ -234,7 +234,7 @@ impl eframe::App for Desk {
                 }
                 Some(Outcome::Ended(Ok(debrief))) => {
                     let choice = training.choice.clone();
-                    self.screen = Screen::Debrief(Box::new(debrief), choice);
+                    self.screen = Screen::Debrief(debrief, choice);
                     ui.ctx().request_repaint();
                 }
                 Some(Outcome::Ended(Err(why))) => self.screen = Screen::Complaint(why),

@@ -65,7 +65,7 @@ impl Pace {
 }
 
 /// What came of a run that has ended.
-pub type Ended = Result<Debrief, String>;
+pub type Ended = Result<Box<Debrief>, String>;
 
 /// What both threads see.
 #[derive(Default)]
@@ -113,7 +113,7 @@ impl Live {
                 wake: &wake,
             };
             let outcome = session.run(&seat.stop, &mut operator);
-            let ended = outcome.and_then(|outcome| session.finish(&outcome));
+            let ended = outcome.and_then(|outcome| session.finish(&outcome).map(Box::new));
             wake();
             ended
         };
