@@ -4,7 +4,7 @@ use crate::live::Pace;
 use crate::look;
 use crate::station::{LevelEntry, ModuleEntry, ToolEntry};
 use crate::text::{self, Phrase, local, number};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, RichText, ScrollArea, Ui};
 use microsim_message::{LevelEvent, LevelState, ToolState, ToolStatus};
 use microsim_render::Quality;
 use microsim_vocabulary::Language;
@@ -57,13 +57,15 @@ impl Task<'_> {
             ui.add_space(8.0);
             ui.label(look::heading(text::HINTS.of(language)));
             let skipped = self.events.len().saturating_sub(EVENTS);
-            for event in &self.events[skipped..] {
-                let time = number(event.time, 1, language);
-                ui.label(look::quiet(format!(
-                    "{time} s  {}",
-                    local(&event.text, language)
-                )));
-            }
+            let room = (ui.available_height() - 12.0).max(20.0);
+            let newest = ScrollArea::vertical().stick_to_bottom(true);
+            newest.max_height(room).show(ui, |ui| {
+                for event in &self.events[skipped..] {
+                    let time = number(event.time, 1, language);
+                    let text = local(&event.text, language);
+                    ui.label(look::quiet(format!("{time} s  {text}")));
+                }
+            });
         }
     }
 }
