@@ -28,11 +28,11 @@ pub fn report(place: &Place, args: &ReportArgs) -> Result<Exit, Problem> {
     if let Some(html) = &args.html {
         let installation = installation(place)?;
         let page = Page {
-            language: match args.lang.as_deref() {
-                Some("de") => Language::German,
-                Some(_) => Language::English,
-                None => installation.host.report.language,
-            },
+            language: args
+                .lang
+                .as_deref()
+                .and_then(Language::from_name)
+                .unwrap_or(installation.host.report.language),
             pictures: match args.pictures {
                 true => key_pictures(&installation, &path, &report, 1),
                 false => not_asked(),

@@ -14,7 +14,7 @@ use microsim_host::assemble::{Input, Installation, Request, assemble, renderer_f
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::run::{Operator, Realtime, RunOptions, RunOutcome, run};
 use microsim_message::{LocalText, SetupFile};
-use microsim_report::Page;
+use microsim_report::{Language, Page};
 use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig};
 use microsim_store::Id;
 use microsim_window::{
@@ -28,11 +28,8 @@ use std::time::{Duration, SystemTime};
 /// Shows the window until it is closed.
 pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
-    let language = match args.lang.as_deref() {
-        Some("de") => settings_language(true),
-        Some(_) => settings_language(false),
-        None => installation.host.report.language,
-    };
+    let language = args.lang.as_deref().and_then(Language::from_name);
+    let language = language.unwrap_or(installation.host.report.language);
     let trainee = args.trainee.as_deref().map(|name| {
         let store = records::must_read(place)?;
         Ok::<_, Problem>(records::find(&store, name)?.id.to_string())
@@ -59,13 +56,6 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     };
     microsim_window::open(Box::new(station), opening)?;
     Ok(Exit::Done)
-}
-
-fn settings_language(is_german: bool) -> microsim_report::Language {
-    match is_german {
-        true => microsim_report::Language::German,
-        false => microsim_report::Language::English,
-    }
 }
 
 /// The installation and the folders of the user.
@@ -247,7 +237,7 @@ struct LevelAtDesk {
     session: PathBuf,
     record: RunRecord,
     realtime: Realtime,
-    language: microsim_report::Language,
+    language: Language,
     picture: RendererConfig,
     files: Vec<SetupFile>,
     desktop: Option<Desktop>,
