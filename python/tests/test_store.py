@@ -16,7 +16,7 @@ SCHEMA = Path(__file__).resolve().parents[2] / "crates" / "store" / "src" / "sch
 
 def steps() -> list[str]:
     """The SQL of each version after the one before."""
-    return re.findall(r'const VERSION_\d+: &str = "(.*?)";', SCHEMA.read_text(encoding="utf-8"), re.DOTALL)
+    return re.findall(r'const VERSION_\d+: &str =\s+"(.*?)";', SCHEMA.read_text(encoding="utf-8"), re.DOTALL)
 
 
 @unittest.skipUnless(SCHEMA.is_file(), f"there is no {SCHEMA} with the tables of a store")
@@ -46,8 +46,8 @@ class Made(unittest.TestCase):
             "realtime": 0, "verdict": "passed", "counts": 1, "failed": "", "duration": 3.0, "targets_done": 1, "targets": 1, "score": 50.0,
         }
         for changed in [
-            {"key": 1, "id": "s1", "trainee": 1, "started": 20},
-            {"key": 2, "id": "s2", "trainee": 2, "started": 10, "verdict": "failed", "score": None},
+            {"key": 1, "id": "s1", "trainee": 1, "started": 20, "started_subsec_ns": 30},
+            {"key": 2, "id": "s2", "trainee": 2, "started": 20, "started_subsec_ns": 10, "verdict": "failed", "score": None},
             {"key": 3, "id": "s3", "trainee": None, "started": 30, "synthetic": "profile novice, seed 1"},
             {"key": 4, "id": "s4", "trainee": 1, "started": 40, "counts": 0, "verdict": "aborted", "level": 3},
         ]:
@@ -65,6 +65,17 @@ class Made(unittest.TestCase):
 
     def test_this_package_knows_the_tables(self) -> None:
         self.assertEqual(len(steps()), VERSION)
+
+    def test_tables_of_the_first_version_are_read(self) -> None:
+        path = self.path.with_name("first.sqlite")
+        connection = sqlite3.connect(path)
+        connection.executescript(steps()[0])
+        connection.execute(f"PRAGMA application_id = {APPLICATION}")
+        connection.execute("PRAGMA user_version = 1")
+        connection.commit()
+        connection.close()
+        with microsim.Store.open(path) as store:
+            self.assertEqual(list(store.attempts()), [])
 
     def test_attempts_are_those_that_are_asked_for_by_time(self) -> None:
         self.assertEqual(self.ids(), ["s2", "s1", "s3"])

@@ -173,6 +173,7 @@ fn whole_runs() -> Vec<Row> {
                     format: 1,
                     version: String::new(),
                     started: 0,
+                    started_subsec_ns: 0,
                     trainee: None,
                     id: None,
                     unlisted: true,

@@ -63,6 +63,7 @@ fn session(n: u64, trainee: Id, random: &mut SplitMix64) -> Session {
         module: "touch-spheres".into(),
         level: 1 + (n % 5) as u32,
         started: 1_700_000_000 + 600 * n as i64,
+        started_subsec_ns: 0,
         simulated: 60.0 * fraction(random),
         finished: true,
         seed: random.bits(),

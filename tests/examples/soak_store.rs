@@ -30,7 +30,7 @@ up to 60 ms after its session has an end, while its report is written or its res
 | … killed | {killed} |
 | sessions that can be read | {readable} |
 | … with an end | {finished} |
-| … of these, entered by the next command, as their process was killed between end and entry | {caught_up} |
+| … of these, not in the store when their process was killed, between end and entry, and entered by a later command | {caught_up} |
 | **sessions that can be read and are not in the store** | **{}** |
 | same sessions and results after `store rebuild` | {} |
 | same sessions and results in a store made from the sessions alone | {} |

@@ -134,6 +134,11 @@ impl Display {
         self.xdotool(&["key", key]);
     }
 
+    /// Types a text.
+    pub fn text(&self, text: &str) {
+        self.xdotool(&["type", "--delay", "5", text]);
+    }
+
     /// Puts the pointer somewhere \[pixels\].
     pub fn point(&self, [x, y]: [i32; 2]) {
         self.xdotool(&["mousemove", &x.to_string(), &y.to_string()]);

@@ -18,7 +18,7 @@ pub mod stage;
 
 use crate::tree;
 use microsim_random::SplitMix64;
-use stage::Stage;
+use stage::{LevelName, Stage};
 
 /// How a player moves.
 #[derive(
@@ -113,8 +113,8 @@ impl Profile {
 pub struct Player {
     /// The module.
     pub module: String,
-    /// The level, from 1.
-    pub level: u32,
+    /// The level.
+    pub level: LevelName,
     /// How it moves.
     pub profile: Profile,
     /// Of all that is random.
@@ -132,13 +132,13 @@ impl Player {
 
     /// Random numbers of its own; each tool has another `stream`.
     fn random(&self, stream: u64) -> SplitMix64 {
-        // FNV-1a over the names, so that players of one seed differ from level to level.
+        // FNV-1a over the names, so that players of one seed differ from level to level. On a variant of a level they move as on the level.
         let words = [self.module.as_str(), self.profile.name()];
         let bytes = words.iter().flat_map(|word| word.bytes());
         let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
-        let mixed = [u64::from(self.level), self.seed, stream];
+        let mixed = [u64::from(self.level.number), self.seed, stream];
         let state = mixed.iter().fold(hash, |state, number| {
             SplitMix64(state ^ number.wrapping_mul(0x9E37_79B9_7F4A_7C15)).bits()
         });
@@ -160,15 +160,13 @@ pub fn stages() -> Result<Vec<(Stage, Vec<Profile>)>, String> {
     modules.sort();
     let mut stages = Vec::new();
     for module in modules {
-        for level in 1.. {
-            if !stage::level_file(&module, level).is_file() {
-                break;
-            }
-            if !stage::passing_script(&module, level).is_file() || !stage::is_known(&module, level)?
+        for level in levels(&module)? {
+            if !stage::passing_script(&module, &level).is_file()
+                || !stage::is_known(&module, &level)?
             {
                 continue;
             }
-            let stage = Stage::read(&module, level)?;
+            let stage = Stage::read(&module, &level)?;
             let permitted = Profile::ALL.into_iter().filter(|p| p.is_permitted(&stage));
             let permitted: Vec<Profile> = permitted.collect();
             if !stage.tools.is_empty() {
@@ -177,4 +175,20 @@ pub fn stages() -> Result<Vec<(Stage, Vec<Profile>)>, String> {
         }
     }
     Ok(stages)
+}
+
+/// The levels of a module and their variants, in order.
+fn levels(module: &str) -> Result<Vec<LevelName>, String> {
+    let folder = tree().join("modules").join(module).join("levels");
+    let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let level = |name: String| {
+        let name = name.strip_prefix("level")?.strip_suffix(".toml")?;
+        name.parse::<LevelName>().ok()
+    };
+    let names = entries
+        .flatten()
+        .map(|entry| entry.file_name().into_string());
+    let mut levels: Vec<LevelName> = names.flatten().filter_map(level).collect();
+    levels.sort();
+    Ok(levels)
 }

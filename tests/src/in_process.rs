@@ -29,6 +29,7 @@ pub fn plan_hosted(
     let request = Request {
         module: module.into(),
         level,
+        variant: None,
         input,
         seed: 1,
         without: Vec::new(),

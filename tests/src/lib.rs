@@ -231,6 +231,12 @@ pub fn report_beside(session: &Path) -> serde_json::Value {
     serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
+/// Whether a file among the levels of a module is a variant of one: `level<N>.NAME.toml`.
+pub fn is_variant(level: &Path) -> bool {
+    let stem = level.file_stem().unwrap_or_default();
+    stem.to_string_lossy().contains('.')
+}
+
 /// A folder that is gone after the test.
 pub fn scratch() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")

@@ -59,6 +59,9 @@ impl LiveTree {
                 link_all(&of_tree, &own, "levels");
                 link_all(&of_tree.join("levels"), &own.join("levels"), "");
                 let levels = fs::read_dir(own.join("levels")).expect("the levels");
+                let levels = levels
+                    .flatten()
+                    .filter(|entry| !crate::is_variant(&entry.path()));
                 let file = format!("level{}.toml", levels.count() + 1);
                 fs::write(own.join("levels").join(file), text).expect("the level");
             }
@@ -82,7 +85,10 @@ impl LiveTree {
     /// If the module is not there.
     pub fn last_level(&self, module: &str) -> usize {
         let levels = self.root().join("modules").join(module).join("levels");
-        fs::read_dir(levels).expect("the levels").count()
+        let levels = fs::read_dir(levels).expect("the levels").flatten();
+        levels
+            .filter(|entry| !crate::is_variant(&entry.path()))
+            .count()
     }
 
     /// Where it lies.

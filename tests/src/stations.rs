@@ -1,11 +1,13 @@
 //! Folders of users, with trainees and a store of their own, and runs of which some are killed.
 
 use crate::{Finished, command, finish};
-use microsim_host::record::Session;
+use microsim_host::record::{Session, kind};
 use microsim_random::SplitMix64;
+use microsim_session::Reader;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -109,7 +111,7 @@ pub struct KilledRuns {
     pub readable: usize,
     /// Of them, those with an end.
     pub finished: usize,
-    /// Sessions with an end that were entered by a later command, as their process was killed before it did.
+    /// Sessions with an end that were not in the store when their process was killed: a later command has entered them.
     pub caught_up: usize,
     /// Sessions that can be read and are not in the store.
     pub missing: Vec<String>,
@@ -168,7 +170,7 @@ pub fn killed_runs(runs: usize, trainees: usize, seed: u64) -> KilledRuns {
         start.elapsed()
     });
     let mut random = SplitMix64(seed);
-    let mut killed = 0;
+    let (mut killed, mut caught_up) = (0, 0);
     let mut open: Vec<(usize, Child, Kill, Instant)> = Vec::new();
     let mut next = 2;
     while next < runs || !open.is_empty() {
@@ -199,21 +201,34 @@ pub fn killed_runs(runs: usize, trainees: usize, seed: u64) -> KilledRuns {
             child.kill().expect("SIGKILL is sent");
             child.wait().expect("the process ends");
             killed += 1;
+            let path = station.session(&n.to_string());
+            if has_end(&path) && !is_entered(&station.store(), &path) {
+                caught_up += 1;
+            }
             false
         });
         std::thread::sleep(Duration::from_millis(1));
     }
-    examine(&station, runs, killed)
+    examine(&station, runs, [killed, caught_up])
 }
 
-/// Whether a session can be read to its end.
+/// Whether a session has its end. Only its frames are read, not what is in them: that takes as long as what is to be met.
 fn has_end(path: &Path) -> bool {
-    let bytes = fs::read(path).unwrap_or_default();
-    Session::read(&bytes).is_ok_and(|session| session.end.is_some())
+    let Ok(file) = fs::File::open(path) else {
+        return false;
+    };
+    let Ok(mut frames) = Reader::open(BufReader::new(file)) else {
+        return false;
+    };
+    while let Ok(Some(frame)) = frames.next_frame() {
+        if frame.kind == kind::CLOSE {
+            return true;
+        }
+    }
+    false
 }
 
-fn examine(station: &Station, runs: usize, killed: usize) -> KilledRuns {
-    let entered = entered(&station.store());
+fn examine(station: &Station, runs: usize, [killed, caught_up]: [usize; 2]) -> KilledRuns {
     let mut read = Vec::new();
     for n in 0..runs {
         let path = station.session(&n.to_string());
@@ -228,8 +243,6 @@ fn examine(station: &Station, runs: usize, killed: usize) -> KilledRuns {
     let paths: BTreeSet<&str> = results.iter().filter_map(|r| r["file"].as_str()).collect();
     let missing = read.iter().filter(|(path, _)| !paths.contains(&path[..]));
     let missing = missing.map(|(path, _)| path.clone()).collect();
-    let late = |(path, ended): &&(String, bool)| *ended && !entered.contains(path);
-    let caught_up = read.iter().filter(late).count();
     station.microsim(&["store", "rebuild"]).expect(0);
     let same_after_rebuild = station.results() == results;
     let intact = station.microsim(&["store", "check"]).code == Some(0);
@@ -252,11 +265,12 @@ fn examine(station: &Station, runs: usize, killed: usize) -> KilledRuns {
     }
 }
 
-/// Files of the sessions that are in a store now, without anything being entered.
-fn entered(store: &Path) -> BTreeSet<String> {
+/// Whether a session is in a store now, without anything being entered.
+fn is_entered(store: &Path, session: &Path) -> bool {
     let store = microsim_store::Store::open_to_read(store).expect("a store");
     let paths = store.expect("it is there").session_paths().expect("paths");
-    paths.into_iter().map(|(path, _)| path).collect()
+    let session = session.canonicalize().expect("a file");
+    paths.iter().any(|(path, _)| Path::new(path) == session)
 }
 
 /// Of a result: what an outcome of `run --json` has as well.

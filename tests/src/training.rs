@@ -216,6 +216,7 @@ impl Training {
         let request = Request {
             module: module.clone(),
             level: *level,
+            variant: None,
             input,
             seed: 1,
             without: Vec::new(),

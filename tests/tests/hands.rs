@@ -3,24 +3,32 @@
 
 use microsim_tests::hands::hand::script;
 use microsim_tests::hands::played::{Ended, Guard, Outcome, play};
-use microsim_tests::hands::stage::Stage;
+use microsim_tests::hands::stage::{LevelName, Stage};
 use microsim_tests::hands::{Player, Profile, stages};
 use microsim_tests::trainees::ABSURD_FORCE;
 use microsim_tests::{assert_verified, scratch};
 use std::path::PathBuf;
 
 /// The sample: module, level, profile, all of one seed and length; and what is allowed today.
-const SAMPLE: [(&str, u32, Profile, Today); 10] = [
-    ("guide-path", 5, Profile::Clumsy, MET),
-    ("touch-spheres", 5, Profile::Outliers, MET),
-    ("push-strip", 3, Profile::Dragging, MET),
-    ("push-strip", 3, Profile::Swapping, MET),
-    ("push-strip", 4, Profile::Calm, MET),
-    ("coordination", 1, Profile::Stabbing, MET),
-    ("coordination", 1, Profile::Jittery, MET),
-    ("coordination", 1, Profile::Snipping, MET),
-    ("coordination", 3, Profile::Closing, MET),
-    ("coordination", 6, Profile::Clumsy, MET),
+const SAMPLE: [(&str, &str, Profile, Today); 13] = [
+    ("guide-path", "5", Profile::Clumsy, MET),
+    ("touch-spheres", "5", Profile::Outliers, MET),
+    ("push-strip", "3", Profile::Dragging, MET),
+    ("push-strip", "3", Profile::Swapping, MET),
+    ("push-strip", "4", Profile::Calm, MET),
+    ("coordination", "1", Profile::Stabbing, MET),
+    ("coordination", "1", Profile::Jittery, MET),
+    ("coordination", "1", Profile::Snipping, MET),
+    ("coordination", "2", Profile::Violent, WITH_ALL_FORCE),
+    ("coordination", "3", Profile::Closing, MET),
+    ("coordination", "6", Profile::Clumsy, MET),
+    ("push-strip", "2.dissertation", Profile::Violent, MET),
+    (
+        "coordination",
+        "2.dissertation",
+        Profile::Clumsy,
+        IN_ONE_STEP,
+    ),
 ];
 const SEED: u64 = 1;
 /// Length of each run \[s\].
@@ -45,13 +53,23 @@ const MET: Today = Today {
     too_strong: 0,
     stalled: false,
 };
+/// With forces of the dissertation, which bring a node out of a tool within one step, however short that is.
+const IN_ONE_STEP: Today = Today {
+    too_strong: 2,
+    ..MET
+};
+/// Thrusts push with all of the force that a hand has, `hand_force` of levels, 1 N, and with what they set in motion: 1.05 N.
+const WITH_ALL_FORCE: Today = Today {
+    too_strong: 38,
+    ..MET
+};
 /// Fraction of ticks over their budget. Wanted: 0.001.
 const OVER_BUDGET: Option<f64> = None;
 
-fn player(module: &str, level: u32, profile: Profile) -> Player {
+fn player(module: &str, level: &LevelName, profile: Profile) -> Player {
     Player {
         module: module.to_owned(),
-        level,
+        level: level.clone(),
         profile,
         seed: SEED,
         seconds: SECONDS,
@@ -95,6 +113,8 @@ fn check(outcome: &Outcome, stage: &Stage, today: Today) {
     // What passes has done the task.
     if outcome.verdict == "passed" {
         assert_eq!(outcome.targets[0], outcome.targets[1], "{name}");
+        let by = &outcome.passed_by;
+        assert!(!by.contains("cut-distance not measured"), "{name}: {by}");
     }
 }
 
@@ -102,8 +122,9 @@ fn check(outcome: &Outcome, stage: &Stage, today: Today) {
 #[test]
 fn random_hands_end_with_a_report() {
     for (number, (module, level, profile, today)) in SAMPLE.into_iter().enumerate() {
-        let player = player(module, level, profile);
-        let stage = Stage::read(module, level).expect("a level");
+        let level: LevelName = level.parse().expect("a level");
+        let player = player(module, &level, profile);
+        let stage = Stage::read(module, &level).expect("a level");
         let folder = scratch();
         let (outcome, session): (Outcome, PathBuf) =
             play(&player, &stage, folder.path(), Guard::default()).expect("a run");
@@ -134,7 +155,7 @@ fn players_are_functions_of_their_seed() {
     );
     for (stage, permitted) in &stages {
         for profile in permitted {
-            let player = player(&stage.module, stage.level, *profile);
+            let player = player(&stage.module, &stage.level, *profile);
             let (text, tracks) = script(&player, stage);
             assert!(text == script(&player, stage).0, "{}", player.name());
             let other = Player {

@@ -2,8 +2,8 @@
 //! doing nothing. Modules, levels and scripts are found, not listed: a new module is tested as it is.
 
 use microsim_tests::{
-    Finished, RECORDING, assert_verified, command, finish, microsim, report_beside, repository,
-    run, scratch, tree,
+    Finished, RECORDING, assert_verified, command, finish, is_variant, microsim, report_beside,
+    repository, run, scratch, tree,
 };
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -364,7 +364,8 @@ fn list_names_all_modules_levels_and_plugins() {
         let name = module["name"].as_str().expect("a name");
         let files = fs::read_dir(repository().join("modules").join(name).join("levels"));
         let files = files.expect("levels").map(|entry| entry.expect("a file"));
-        let files = files.filter(|entry| entry.path().is_file());
+        let is_level = |path: &Path| path.is_file() && !is_variant(path);
+        let files = files.filter(|entry| is_level(&entry.path()));
         let numbers: Vec<u64> = module["levels"]
             .as_array()
             .expect("levels")
@@ -561,7 +562,7 @@ fn the_json_of_a_run_has_its_fields() {
         .map(String::as_str)
         .collect();
     let expected = "arrivals counts failed failure implausible late_ticks level markers module physics_digest pictures report \
-        score seed session session_id solver state_hash stored synthetic targets targets_done ticks trainee verdict";
+        score seed session session_id solver state_hash stored synthetic targets targets_done ticks trainee variant verdict";
     assert_eq!(fields, expected.split(' ').collect());
     assert_eq!(printed["session"].as_str(), session.to_str());
     assert_eq!(printed["state_hash"].as_str().map(str::len), Some(64));

@@ -2,8 +2,10 @@
 
 use microsim_tests::desktop::{Blob, Display, Shot};
 use microsim_tests::peers::{Peer, or_skipped};
+use microsim_tests::stations::Station;
 use microsim_tests::{command, finish, microsim, program};
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -13,6 +15,17 @@ const FIELD: [[usize; 2]; 2] = [[275, 0], [1005, 720]];
 /// Pixels per millimetre of a field of 25 mm that is 720 pixels high, and the cosine of its tilt of 50°.
 const SCALE: f64 = 720.0 / 25.0;
 const FORESHORTENING: f64 = 0.643;
+
+/// Where the button of trainees and results lies in the launcher, the first name on their screen, and the buttons there that compare and export.
+const RECORDS: [i32; 2] = [1045, 24];
+const FIRST_NAME: [i32; 2] = [150, 145];
+const COMPARE: [i32; 2] = [380, 120];
+const EXPORT: [i32; 2] = [500, 645];
+/// There: the button of courses and data; on its screen the first course, the line for a path and the button that reads the file.
+const DATA: [i32; 2] = [935, 24];
+const FIRST_COURSE: [i32; 2] = [150, 80];
+const PATH: [i32; 2] = [400, 493];
+const READ: [i32; 2] = [1070, 493];
 
 /// The orange of a mark (0.85, 0.4, 0.05 and lit from above).
 fn is_mark([r, g, b]: [u8; 3]) -> bool {
@@ -189,6 +202,129 @@ fn coordination_level_2_is_passed_by_mouse_and_keyboard() {
         }
         return;
     }
+}
+
+/// The journey of the README: the two attempts of A. Muster are found, compared, and the group exported, with four clicks.
+#[test]
+fn four_clicks_find_compare_and_export() {
+    let Some(display) = or_skipped("a display without a screen", Display::open()) else {
+        return;
+    };
+    let pictures = &microsim(["doctor", "--json"]).json()["pictures"];
+    if pictures["on"] != true {
+        eprintln!("SKIPPED: {}", pictures["why"]);
+        return;
+    }
+    let station = Station::new();
+    for name in ["A. Muster", "B. Beispiel", "C. Exempel"] {
+        station.add(name);
+        let group = if name.starts_with('C') {
+            "2025"
+        } else {
+            "2026"
+        };
+        station
+            .microsim(&["trainees", "group", group, "--add", name])
+            .expect(0);
+    }
+    for (name, script, who) in [
+        ("1", "fail-too-slow", "A. Muster"),
+        ("2", "pass", "A. Muster"),
+        ("3", "pass", "B. Beispiel"),
+        ("4", "pass", "C. Exempel"),
+    ] {
+        finish(&mut station.run(name, script, &["--trainee", who, "--no-pictures"])).expect(0);
+    }
+    let _window = window(&display, &station.data(), &["window", "--size", "1280x720"]);
+    let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
+    let text = |shot: &Shot| some(shot.find([[0, 60], [500, 700]], is_text), 500);
+    display.wait_for("the launcher", Duration::from_secs(60), text);
+    let click = |place: [i32; 2]| {
+        display.point(place);
+        // A window learns of the pointer with its next picture.
+        std::thread::sleep(Duration::from_millis(300));
+        display.button(1, true);
+        display.button(1, false);
+    };
+    let most = Duration::from_secs(30);
+    // Words in the colours of verdicts, and of what became better or worse.
+    let is_orange = |[r, g, b]: [u8; 3]| r > 200 && (120..180).contains(&g) && b < 100;
+    let list = [[320, 100], [1280, 640]];
+    click(RECORDS);
+    display.wait_for("the results of all", most, |shot| {
+        some(shot.find(list, is_passed), 200)
+    });
+    click(FIRST_NAME);
+    // Both attempts of one, of which one failed, marked: the letters are blue.
+    let is_blue = |[r, g, b]: [u8; 3]| r < 120 && (150..200).contains(&g) && b > 200;
+    display.wait_for("the results of A. Muster", most, |shot| {
+        some(shot.find([[316, 145], [332, 205]], is_blue), 20)
+    });
+    keep(&display, "window-results");
+    click(COMPARE);
+    let better = [[1100, 160], [1280, 640]];
+    display.wait_for("what became better and worse", most, |shot| {
+        some(shot.find(better, is_passed), 40)?;
+        some(shot.find(better, is_orange), 20)
+    });
+    keep(&display, "window-comparison");
+    click(EXPORT);
+    let table = the_file(&station.data().join("tables"), "csv", most);
+    let done = [[320, 60], [1280, 130]];
+    display.wait_for("that it is written", most, |shot| {
+        some(shot.find(done, is_passed), 100)
+    });
+    keep(&display, "window-export");
+    let mut reader = csv::Reader::from_path(table).expect("a table");
+    let header = reader.headers().expect("a header").clone();
+    let at = |name: &str| header.iter().position(|h| h == name).expect("a column");
+    let rows: Vec<csv::StringRecord> = reader.records().map(|r| r.expect("a row")).collect();
+    let column = |name: &str| -> BTreeSet<&str> { rows.iter().map(|r| &r[at(name)]).collect() };
+    assert_eq!(column("session").len(), 3);
+    assert_eq!(column("groups"), BTreeSet::from(["2026"]));
+    assert_eq!(column("name"), BTreeSet::from(["A. Muster", "B. Beispiel"]));
+    read_files(&display, &station, click);
+}
+
+/// From the results: a course is read from its file, whose path is typed, and shown with the group that takes it; a table with a mistake is refused with its line.
+fn read_files(display: &Display, station: &Station, click: impl Fn([i32; 2])) {
+    let most = Duration::from_secs(30);
+    let orange = |[r, g, b]: [u8; 3]| r > 200 && (120..180).contains(&g) && b < 100;
+    let said = [[0, 610], [1280, 720]];
+    let folder = station.folder();
+    let course = folder.join("course.toml");
+    let shipped = microsim_tests::tree().join("config/courses/first-steps.toml");
+    std::fs::copy(shipped, &course).expect("the shipped course");
+    let table = folder.join("experts.csv");
+    let rows = "module,level,metric,source,n,mean,sd\ntouch-spheres,one,time,experts,12,30,4.5\n";
+    std::fs::write(&table, rows).expect("a table");
+    click(DATA);
+    std::thread::sleep(Duration::from_secs(1));
+    display.focus("MicroSim");
+    let read = |file: &Path| {
+        click(PATH);
+        display.key("ctrl+a");
+        display.text(file.to_str().expect("text"));
+        std::thread::sleep(Duration::from_millis(500));
+        click(READ);
+    };
+    read(&course);
+    display.wait_for("that the course is read", most, |shot| {
+        some(shot.find(said, is_passed), 100)
+    });
+    station
+        .microsim(&["courses", "enrol", "first-steps", "--group", "2026"])
+        .expect(0);
+    read(&table);
+    display.wait_for("what is wrong with the table", most, |shot| {
+        some(shot.find(said, orange), 100)
+    });
+    click(FIRST_COURSE);
+    std::thread::sleep(Duration::from_secs(1));
+    keep(display, "window-data");
+    let courses = station.microsim(&["courses", "list", "--json"]).expect(0);
+    let courses = &courses.json()["courses"];
+    assert_eq!(courses[0]["name"], "first-steps");
 }
 
 /// Where there is no display: one sentence, exit status 2, and everything else goes on working.

@@ -63,6 +63,10 @@ fn installed(workspace: &Workspace) -> Result<Option<PathBuf>, Failure> {
     }
     let mut cargo = workspace.cargo();
     cargo.args(["install", "--locked", "cargo-deny", "--version", VERSION]);
+    // It runs for seconds: its compilation is what takes time.
+    cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1");
+    cargo.env("CARGO_PROFILE_RELEASE_LTO", "off");
+    cargo.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
     let installed = child::run(cargo.arg("--root").arg(&folder))?.success();
     Ok((installed && is_wanted(&own)).then_some(own))
 }

@@ -3,7 +3,7 @@
 use crate::chart::{machine, thread_seconds};
 use crate::cli::AtlasArgs;
 use crate::output::{Exit, Problem, print, print_json};
-use crate::progress::Progress;
+use crate::progress::shown_while;
 use crate::table_rows::table_rows;
 use microsim_settings::unwritable;
 use microsim_study::PageInfo;
@@ -20,11 +20,7 @@ pub fn atlas(args: &AtlasArgs) -> Result<Exit, Problem> {
     } else {
         Extent::Full
     };
-    let progress = Progress::new();
-    let atlas = Atlas::make(extent, &thread_seconds, &mut |part, what| {
-        progress.show(Some(part), || what.to_owned());
-    });
-    progress.clear();
+    let atlas = shown_while(|progress| Atlas::make(extent, &thread_seconds, progress));
     let info = PageInfo {
         machine: machine(),
         command: format!("microsim atlas{}", if args.short { " --quick" } else { "" }),

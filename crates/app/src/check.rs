@@ -2,9 +2,10 @@
 
 use crate::cli::{CheckArgs, Place};
 use crate::discretisation::{self, Meshes};
-use crate::listing::files_in;
+use crate::listing::{files_below, files_in};
 use crate::mesh_file;
 use crate::output::{Exit, Problem, print_if_read as print};
+use crate::progress::Progress;
 use crate::scene_file::{self, SceneFile};
 use crate::session_file::{installation, is_session};
 use crate::working_step;
@@ -123,7 +124,18 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
             check_course(installation, &path),
         );
     }
-    for path in files_in(&config.join("scenes"), "toml") {
+    let scenes = files_in(&config.join("scenes"), "toml");
+    let levels = installation.tree.modules.iter().map(|m| m.levels.len());
+    let count = (levels.sum::<usize>() + scenes.len()) as f64;
+    let (progress, mut done) = (Progress::new(), 0.0);
+    let mut show = |path: &Path| {
+        progress.show(Some(done / count), || {
+            format!("checking {}", path.display())
+        });
+        done += 1.0;
+    };
+    for path in scenes {
+        show(&path);
         findings.note(
             path.display().to_string(),
             check_scene(&path, Meshes::Stated, &mut Vec::new()),
@@ -138,6 +150,7 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         let scripts = folder.manifest.document.path().with_file_name("scripts");
         let scripts = files_in(&scripts, "toml");
         for (index, path) in folder.levels.iter().enumerate() {
+            show(path);
             let level = index as u32 + 1;
             let script = scripts.iter().find(|s| {
                 s.file_name()
@@ -145,8 +158,14 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
             });
             findings.note(
                 path.display().to_string(),
-                check_level(installation, name, level, script),
+                check_level(installation, name, level, None, script),
             );
+            for variant in folder.variants.iter().filter(|of| of.level == level) {
+                findings.note(
+                    variant.path.display().to_string(),
+                    check_level(installation, name, level, Some(&variant.name), script),
+                );
+            }
         }
         for path in &scripts {
             let script = settings::load_script(path);
@@ -392,32 +411,17 @@ fn check_folder(place: &Place, folder: &Path, findings: &mut Findings) {
     }
 }
 
-/// The files of a folder and of those below it, by path; hidden ones are left out, and links to folders not followed.
-fn files_below(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .filter_map(Result::ok)
-        .filter(|entry| !entry.file_name().to_string_lossy().starts_with('.'));
-    let mut entries: Vec<_> = entries.collect();
-    entries.sort_by_key(|entry| entry.path());
-    let below = entries.iter().flat_map(|entry| match entry.file_type() {
-        Ok(kind) if kind.is_dir() => files_below(&entry.path()),
-        _ => vec![entry.path()],
-    });
-    below.filter(|path| path.is_file()).collect()
-}
-
 /// Loads everything that the level uses and initialises it, as a run would, without a single tick: libraries, layouts,
 /// manifests, topics, set-ups, stable steps.
 fn check_level(
     installation: &Installation,
     module: &str,
     level: u32,
+    variant: Option<&str>,
     script: Option<&PathBuf>,
 ) -> Result<Vec<String>, String> {
     let loaded = installation
-        .level(module, level)
+        .variant(module, level, variant)
         .map_err(|e| e.to_string())?;
     let mut models = BTreeMap::new();
     for slot in &loaded.settings.tool {
@@ -433,6 +437,7 @@ fn check_level(
     let request = Request {
         module: module.into(),
         level,
+        variant: variant.map(str::to_owned),
         input: Input::Script(script.clone()),
         seed: 1,
         without: Vec::new(),

@@ -7,9 +7,8 @@ use crate::cli::{
 use crate::names::{name_or_id, shown};
 use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::records::{find, must_read, open};
-use crate::session_file::installation;
-use microsim_settings::{Unlock, load_course};
-use microsim_store::{Course, Enrolled, Progress, Step, StepProgress, Store, Trainee};
+use crate::upkeep::take_course;
+use microsim_store::{Enrolled, Progress, StepProgress, Store, Trainee};
 use serde_json::{Value, json};
 
 /// Does what was asked of courses.
@@ -56,29 +55,8 @@ fn done(as_json: bool, document: Value, sentence: &str) -> Result<Exit, Problem>
 }
 
 fn add(place: &Place, args: &CourseAddArgs) -> Result<Exit, Problem> {
-    let settings = load_course(&args.file)?.settings;
-    let steps = settings.step.iter().map(|step| Step {
-        module: step.module.clone(),
-        level: step.level,
-        passes: step.passes.unwrap_or(settings.passes),
-    });
-    let course = Course {
-        name: settings.name.clone(),
-        title_en: settings.title.en.to_string(),
-        title_de: settings.title.de.to_string(),
-        in_order: settings.unlock == Unlock::InOrder,
-        steps: steps.collect(),
-    };
-    // A course for another installation is no error.
-    if let Ok(installation) = installation(place) {
-        for step in &course.steps {
-            if let Err(missing) = installation.level(&step.module, step.level) {
-                complain(format!("not in this installation: {missing}"));
-            }
-        }
-    }
-    let mut store = open(place)?;
-    store.put_course(&course)?;
+    let (course, missing) = take_course(place, &args.file)?;
+    missing.iter().for_each(complain);
     done(
         args.json,
         json!(course),

@@ -17,11 +17,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What is there of a trainee.
-struct Belongings {
-    /// Ids of sessions in the store.
-    sessions: usize,
+pub struct Belongings {
+    /// Number of sessions in the store.
+    pub sessions: usize,
     /// Files that go.
-    files: BTreeSet<PathBuf>,
+    pub files: BTreeSet<PathBuf>,
     /// Sessions of earlier versions, which hold the name themselves.
     with_name: Vec<PathBuf>,
 }
@@ -38,7 +38,8 @@ fn is_of(path: &Path, trainee: &Trainee) -> Option<bool> {
     (is_name || Id::parse(held) == Some(trainee.id)).then_some(is_name)
 }
 
-fn belongings(place: &Place, store: &Store, trainee: &Trainee) -> Result<Belongings, Problem> {
+/// Looks for all that is there of a trainee.
+pub fn belongings(place: &Place, store: &Store, trainee: &Trainee) -> Result<Belongings, Problem> {
     let filter = Filter {
         trainee: Some(trainee.id),
         ..Filter::default()
@@ -106,23 +107,36 @@ fn pictures_in(folder: &Path) -> Vec<PathBuf> {
     paths.filter(is_picture).collect()
 }
 
-/// Removes a trainee with all that is theirs.
+/// Removes a trainee with these belongings, and copies of the store of earlier versions.
+pub fn remove(store: &mut Store, trainee: &Trainee, found: &Belongings) -> Result<(), Problem> {
+    // Files first: should this end in between, the rows still show what is left.
+    for file in found.files.iter().chain(&store.copies()) {
+        fs::remove_file(file).map_err(|e| unwritable(file, e))?;
+        if let Some(folder) = file.parent() {
+            // Only an empty one goes, and only of pictures.
+            let is_picture = file.extension().is_some_and(|e| e == "png");
+            let _ = is_picture.then(|| fs::remove_dir(folder));
+        }
+    }
+    Ok(store.erase(trainee.id, date::now(), found.files.len() as i64)?)
+}
+
+/// Removes the name of a trainee, and copies of the store of earlier versions.
+pub fn remove_name(store: &mut Store, trainee: &Trainee) -> Result<(), Problem> {
+    for file in &store.copies() {
+        fs::remove_file(file).map_err(|e| unwritable(file, e))?;
+    }
+    Ok(store.anonymise(trainee.id, date::now())?)
+}
+
+/// `microsim trainees erase`.
 pub fn erase(place: &Place, args: &TraineeGoneArgs) -> Result<Exit, Problem> {
     let mut store = open(place)?;
     let trainee = find(&store, &args.who)?;
     let found = belongings(place, &store, &trainee)?;
     let copies = store.copies();
     if args.yes {
-        // Files first: should this end in between, the rows still show what is left.
-        for file in found.files.iter().chain(&copies) {
-            fs::remove_file(file).map_err(|e| unwritable(file, e))?;
-            if let Some(folder) = file.parent() {
-                // Only an empty one goes, and only of pictures.
-                let is_picture = file.extension().is_some_and(|e| e == "png");
-                let _ = is_picture.then(|| fs::remove_dir(folder));
-            }
-        }
-        store.erase(trainee.id, date::now(), found.files.len() as i64)?;
+        remove(&mut store, &trainee, &found)?;
     }
     if args.json {
         print_json(&json!({
@@ -149,17 +163,14 @@ pub fn erase(place: &Place, args: &TraineeGoneArgs) -> Result<Exit, Problem> {
     Ok(Exit::Done)
 }
 
-/// Removes the name of a trainee.
+/// `microsim trainees anonymise`.
 pub fn anonymise(place: &Place, args: &TraineeGoneArgs) -> Result<Exit, Problem> {
     let mut store = open(place)?;
     let trainee = find(&store, &args.who)?;
     let found = belongings(place, &store, &trainee)?;
     let copies = store.copies();
     if args.yes {
-        for file in &copies {
-            fs::remove_file(file).map_err(|e| unwritable(file, e))?;
-        }
-        store.anonymise(trainee.id, date::now())?;
+        remove_name(&mut store, &trainee)?;
     }
     if args.json {
         print_json(&json!({

@@ -77,6 +77,11 @@ impl Folders {
         found.next()
     }
 
+    /// Folder of the tables that nobody names a file for.
+    pub fn tables(&self) -> PathBuf {
+        self.data.join("tables")
+    }
+
     /// What was calibrated on this station.
     pub fn calibration(&self) -> PathBuf {
         self.config.join("calibration.toml")

@@ -6,8 +6,15 @@ use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::session_file::installation;
 use microsim_host::assemble::known_metrics;
 use microsim_settings as settings;
+use microsim_settings::ModuleFolder;
 use serde_json::{Value, json};
 use std::path::Path;
+
+/// The names of the variants of a level.
+fn variants_of(folder: &ModuleFolder, level: u32) -> Vec<&str> {
+    let of_level = folder.variants.iter().filter(|of| of.level == level);
+    of_level.map(|of| of.name.as_str()).collect()
+}
 
 /// Modules with their levels, scenes, and plugins.
 pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
@@ -23,6 +30,7 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
                     "level": index + 1,
                     "title": level.settings.title,
                     "summary": level.settings.summary,
+                    "variants": variants_of(folder, index as u32 + 1),
                 })),
                 Err(errors) => complain(errors),
             }
@@ -87,6 +95,10 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
                 level["level"],
                 text(&level["title"]["en"])
             ))?;
+            let variants = level["variants"].as_array().into_iter().flatten();
+            for variant in variants.map(text) {
+                print(format!("      --variant {variant}"))?;
+            }
         }
     }
     print("Scenes")?;

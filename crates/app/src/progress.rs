@@ -4,6 +4,7 @@ use crate::terminal;
 use std::io::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// What is done sooner prints nothing; elsewhere than at a terminal that is what ends before its first line.
@@ -75,6 +76,29 @@ impl Progress {
             let _ = write!(std::io::stderr(), "\r\x1b[K");
         }
     }
+}
+
+/// Does work that seldom states how far it is, and shows what it stated last again and again, so that time goes on also before the first of its parts is done.
+pub fn shown_while<T>(work: impl FnOnce(&mut dyn FnMut(f64, &str)) -> T) -> T {
+    let progress = Progress::new();
+    let stated = Mutex::new((0.0, String::new()));
+    let (goes_on, has_ended) = mpsc::channel::<()>();
+    let show = || {
+        let (part, what) = stated.lock().unwrap_or_else(|e| e.into_inner()).clone();
+        progress.show(Some(part), || what);
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            // Ends with the work, also with one that panics: nobody can send any more.
+            while has_ended.recv_timeout(UPDATES) == Err(RecvTimeoutError::Timeout) {
+                show();
+            }
+        });
+        let _goes_on = goes_on;
+        work(&mut |part, what| {
+            *stated.lock().unwrap_or_else(|e| e.into_inner()) = (part, what.to_owned());
+        })
+    })
 }
 
 impl Drop for Progress {

@@ -123,7 +123,7 @@ impl RunRecord {
         if attempt.no_store {
             return match (asked, as_id) {
                 (Some(_), None) => Err(
-                    "--no-store with the name of a trainee: names stand in the store; give the id that `microsim trainees list` shows"
+                    "a run that the store leaves out (--no-store, --variant) with the name of a trainee: names stand in the store; give the id that `microsim trainees list` shows"
                         .into(),
                 ),
                 _ => Ok(record),
@@ -418,6 +418,7 @@ fn entry(recorded: &Recorded, report: &Report, path: &Path) -> Session {
         module: plan.module.clone(),
         level: plan.level,
         started: i64::try_from(header.started).unwrap_or(i64::MAX),
+        started_subsec_ns: header.started_subsec_ns,
         simulated: report.simulated,
         finished: recorded.end.is_some(),
         seed: plan.seed,

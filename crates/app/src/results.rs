@@ -2,6 +2,7 @@
 
 use crate::cli::{Place, ResultsArgs};
 use crate::date;
+use crate::evaluation::{is_better, learning_curve, pairs, same_level, standings};
 use crate::names::name_or_id;
 use crate::output::{Exit, Problem, print, print_json, print_long};
 use crate::records::{find, must_read, text};
@@ -110,16 +111,6 @@ fn line(named: &NamedSession) -> String {
     )
 }
 
-/// Whether a result is one of a person.
-fn is_attempt(session: &Session) -> bool {
-    session.counts && session.synthetic.is_none()
-}
-
-fn learning_curve(found: &[NamedSession]) -> CusumCurve {
-    let attempts = found.iter().filter(|named| is_attempt(&named.session));
-    CusumPlan::published().curve(attempts.map(|named| named.session.verdict == Verdict::Passed))
-}
-
 fn decision_word(decision: CusumDecision) -> &'static str {
     match decision {
         CusumDecision::Acceptable => "acceptable",
@@ -165,20 +156,19 @@ fn curve_line(curve: &CusumCurve) -> String {
     )
 }
 
-/// Where a value stands in a population, and how many of it are worse where one side is better.
-fn standing(measured: &Measured, record: &PopulationRecord) -> Option<Value> {
-    let standing = record.population().ok()?.standing(measured.value?);
+/// Where a value stands in a population.
+fn standing_document(record: &PopulationRecord, standing: Standing) -> Value {
     let (percent, bound) = match standing {
         Standing::At(percent) => (percent, "at"),
         Standing::Below(percent) => (percent, "below"),
         Standing::Above(percent) => (percent, "above"),
     };
-    Some(json!({
+    json!({
         "source": record.source,
         "n": record.n,
         "percentile": percent,
         "is": bound,
-    }))
+    })
 }
 
 fn measured_document(
@@ -186,12 +176,9 @@ fn measured_document(
     measured: &Measured,
     populations: &[PopulationRecord],
 ) -> Value {
-    let of = populations.iter().filter(|record| {
-        record.module == session.module
-            && record.level == session.level
-            && record.metric == measured.metric.id
-    });
-    let standings: Vec<Value> = of.filter_map(|record| standing(measured, record)).collect();
+    let standings = standings(session, measured, populations).into_iter();
+    let standings = standings.map(|(record, standing)| standing_document(record, standing));
+    let standings: Vec<Value> = standings.collect();
     json!({
         "id": measured.metric.id,
         "title": measured.metric.title,
@@ -254,32 +241,19 @@ fn session(store: &Store, asked: &str) -> Result<NamedSession, Problem> {
     })
 }
 
-/// What became of a number, by the side that is better.
+/// What became of a number, in a word.
 fn change(direction: &str, difference: f64) -> &'static str {
-    match (direction, difference) {
-        (_, 0.0) => "",
-        ("lower" | "lower-is-better", d) if d < 0.0 => "better",
-        ("lower" | "lower-is-better", _) => "worse",
-        ("higher" | "higher-is-better", d) if d > 0.0 => "better",
-        ("higher" | "higher-is-better", _) => "worse",
-        _ => "",
+    match is_better(direction, difference) {
+        Some(true) => "better",
+        Some(false) => "worse",
+        None => "",
     }
 }
 
 fn compare(store: &Store, asked: [&String; 2], as_json: bool) -> Result<Exit, Problem> {
     let [a, b] = [session(store, asked[0])?, session(store, asked[1])?];
-    let same_level = (&a.session.module, a.session.level) == (&b.session.module, b.session.level);
-    let pairs: Vec<(&Measured, &Measured)> = a
-        .session
-        .metrics
-        .iter()
-        .filter_map(|of_a| {
-            let same = |of_b: &&Measured| {
-                of_b.metric.id == of_a.metric.id && of_b.metric.unit == of_a.metric.unit
-            };
-            Some((of_a, b.session.metrics.iter().find(same)?))
-        })
-        .collect();
+    let same_level = same_level(&a.session, &b.session);
+    let pairs = pairs(&a.session, &b.session);
     if as_json {
         let metrics = pairs.iter().map(|(of_a, of_b)| {
             let difference = of_a.value.zip(of_b.value).map(|(a, b)| b - a);
@@ -364,18 +338,4 @@ fn compare(store: &Store, asked: [&String; 2], as_json: bool) -> Result<Exit, Pr
     }
     print("! outside the limit of the level")?;
     Ok(Exit::Done)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::change;
-
-    #[test]
-    fn which_side_is_better_decides() {
-        assert_eq!(change("lower-is-better", -1.0), "better");
-        assert_eq!(change("lower-is-better", 1.0), "worse");
-        assert_eq!(change("higher-is-better", 1.0), "better");
-        assert_eq!(change("informative", 1.0), "");
-        assert_eq!(change("lower-is-better", 0.0), "");
-    }
 }

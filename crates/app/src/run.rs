@@ -76,10 +76,12 @@ fn new_session(place: &Place, args: &RunArgs) -> Result<PathBuf, Problem> {
     let now = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .unwrap_or_default();
+    let variant = args.variant.as_ref().map(|name| format!(".{name}"));
     let name = format!(
-        "{}-level{}-{}-{}",
+        "{}-level{}{}-{}-{}",
         args.module,
         args.level,
+        variant.unwrap_or_default(),
         now.as_millis(),
         std::process::id()
     );
@@ -105,6 +107,7 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
         &Request {
             module: args.module.clone(),
             level: args.level,
+            variant: args.variant.clone(),
             input: args.input.clone(),
             seed: args.seed,
             without: args.without.clone(),
@@ -135,7 +138,8 @@ fn attempt(args: &RunArgs) -> Attempt<'_> {
         module: &args.module,
         level: args.level,
         trainee: args.trainee.as_deref(),
-        no_store: args.no_store,
+        // Another task than that of this number.
+        no_store: args.no_store || args.variant.is_some(),
     }
 }
 
@@ -421,6 +425,7 @@ fn tell_json(
     print_json(&json!({
         "module": plan.module,
         "level": plan.level,
+        "variant": plan.variant,
         "seed": plan.seed,
         "verdict": verdict_word(report.verdict),
         "counts": report.counts,
@@ -468,7 +473,7 @@ fn explain(installation: &Installation, plan: &RunPlan, as_json: bool) -> Result
             .map(|p| json!({ "what": p.what, "name": p.name, "why": p.why }))
             .collect();
         print_json(&json!({
-            "module": plan.module, "level": plan.level, "tick_s": plan.tick_ns as f64 * 1e-9,
+            "module": plan.module, "level": plan.level, "variant": plan.variant, "tick_s": plan.tick_ns as f64 * 1e-9,
             "steps": plan.steps, "plugins": plugins, "parts": parts, "without": plan.without,
             "settings_of_station": installation.replaced(),
         }))?;

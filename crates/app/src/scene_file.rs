@@ -131,6 +131,18 @@ impl SceneFile {
             && self.runner.end() == Some(&End::Duration)
     }
 
+    /// Whether it is to diverge and has done so.
+    pub fn diverged_as_expected(&self) -> bool {
+        self.loaded.settings.run.end == settings::End::Divergence
+            && matches!(self.runner.end(), Some(End::Diverged(_)))
+    }
+
+    /// Whether it is to diverge and has not.
+    pub fn stable_unexpectedly(&self) -> bool {
+        self.loaded.settings.run.end == settings::End::Divergence
+            && self.runner.end() == Some(&End::Duration)
+    }
+
     /// That it has not come to rest, and what helps.
     pub fn restless_sentence(&self) -> String {
         format!(
@@ -338,8 +350,11 @@ pub fn shortened(mut sentences: Vec<String>) -> Vec<String> {
     sentences
 }
 
-/// The step if it is longer than the bodies allow, and what helps.
+/// The step if it is longer than the bodies allow, and what helps; not of a scene that is to diverge.
 fn step_too_long(document: &Document, runner: &Runner) -> Option<String> {
+    if document.value()["run"]["end"] == settings::End::Divergence.name() {
+        return None;
+    }
     let scene = runner.scene();
     let slowest = (0..scene.body_count()).min_by(|a, b| {
         scene

@@ -19,6 +19,7 @@ use document::{Result as Outcome, document};
 use frames::Frames;
 use microsim_scene::{End, Executor, Serial};
 use microsim_session::Chain;
+use microsim_settings as settings;
 use pictures::Pictures;
 use pool::Pool;
 use std::path::{Path, PathBuf};
@@ -142,10 +143,16 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
             print(format!("{count} pictures in {}", folder.display()))?;
         }
     }
-    let diverged = matches!(scene.runner.end(), Some(End::Diverged(_)));
-    let restless = scene.restless() || scene.runner.energy_growth().is_some();
     let missed = scene.runner.verdicts().iter().any(|verdict| !verdict.met);
-    Ok(match diverged || restless || (args.require && missed) {
+    let negative = match scene.loaded.settings.run.end {
+        settings::End::Divergence => !scene.diverged_as_expected(),
+        settings::End::Time | settings::End::Rest => {
+            matches!(scene.runner.end(), Some(End::Diverged(_)))
+                || scene.restless()
+                || scene.runner.energy_growth().is_some()
+        }
+    };
+    Ok(match negative || (args.require && missed) {
         true => Exit::Negative,
         false => Exit::Done,
     })

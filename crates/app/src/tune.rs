@@ -111,7 +111,7 @@ pub fn tune(place: &Place, args: &TuneArgs) -> Result<Exit, Problem> {
     // A scene that ends by time is about its motion.
     let kind = match scene.run.end {
         settings::End::Rest => ExactKind::Rest,
-        settings::End::Time => ExactKind::Motion,
+        settings::End::Time | settings::End::Divergence => ExactKind::Motion,
     };
     let mut candidates = candidates(&chart, &scene, kind, of_plan, target.as_level());
     if args.keep_mesh {

@@ -1,5 +1,8 @@
 //! `microsim window`, and `microsim` alone: the station behind the operator's window.
 
+mod jobs;
+mod ledger;
+
 use crate::cli::{Place, WindowArgs};
 use crate::folders::{self, Folders};
 use crate::key_pictures::not_asked;
@@ -10,7 +13,7 @@ use crate::records::{self, Attempt, RunRecord};
 use crate::report::write_beside;
 use crate::session_file::{installation, read_around, report_of};
 use crate::station;
-use microsim_host::assemble::{Input, Installation, Request, assemble, renderer_for};
+use microsim_host::assemble::{Input, Installation, Request, assemble, renderer_for, title_of};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::run::{Operator, Realtime, RunOptions, RunOutcome, run};
 use microsim_message::{LocalText, SetupFile};
@@ -36,7 +39,7 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     });
     let trainee = trainee.transpose()?;
     let choice = args.module.as_ref().map(|module| {
-        installation.level(module, args.level)?;
+        installation.variant(module, args.level, args.variant.as_deref())?;
         Ok::<_, Problem>(Choice {
             module: module.clone(),
             level: args.level,
@@ -53,6 +56,15 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
         place: place.clone(),
         installation,
         input: args.input.clone(),
+        variant: args
+            .module
+            .clone()
+            .zip(args.variant.clone())
+            .map(|(module, name)| Variant {
+                module,
+                level: args.level,
+                name,
+            }),
     };
     microsim_window::open(Box::new(station), opening)?;
     Ok(Exit::Done)
@@ -63,13 +75,30 @@ struct AtThisPlace {
     place: Place,
     installation: Installation,
     input: Input,
+    /// What takes the place of a level.
+    variant: Option<Variant>,
+}
+
+/// A variant of a level.
+struct Variant {
+    module: String,
+    level: u32,
+    name: String,
 }
 
 impl AtThisPlace {
+    /// The variant that takes the place of a level.
+    fn variant_of(&self, module: &str, level: u32) -> Option<&str> {
+        let of = self.variant.as_ref();
+        let of = of.filter(|of| (of.module.as_str(), of.level) == (module, level));
+        of.map(|of| of.name.as_str())
+    }
+
     fn level_entry(&self, module: &str, number: u32) -> Result<LevelEntry, String> {
+        let variant = self.variant_of(module, number);
         let level = self
             .installation
-            .level(module, number)
+            .variant(module, number, variant)
             .map_err(|e| e.to_string())?;
         let level = &level.settings;
         let tool = |slot: &settings::ToolSlot| {
@@ -82,7 +111,7 @@ impl AtThisPlace {
         };
         Ok(LevelEntry {
             number,
-            title: level.title.clone(),
+            title: title_of(&level.title, variant),
             summary: level.summary.clone(),
             tools: level.tool.iter().map(tool).collect::<Result<_, _>>()?,
         })
@@ -160,11 +189,13 @@ impl Station for AtThisPlace {
     fn begin(&self, choice: &Choice) -> Result<Box<dyn LiveSession>, String> {
         let begun = || {
             let session = new_session(&self.place, choice)?;
+            let variant = self.variant_of(&choice.module, choice.level);
             let plan = assemble(
                 &self.installation,
                 &Request {
                     module: choice.module.clone(),
                     level: choice.level,
+                    variant: variant.map(str::to_owned),
                     input: self.input.clone(),
                     seed: 1,
                     without: Vec::new(),
@@ -178,7 +209,8 @@ impl Station for AtThisPlace {
                 module: &choice.module,
                 level: choice.level,
                 trainee: choice.trainee.as_deref(),
-                no_store: false,
+                // Another task than that of this number.
+                no_store: variant.is_some(),
             };
             Ok::<_, Problem>(LevelAtDesk {
                 desktop: match self.input {

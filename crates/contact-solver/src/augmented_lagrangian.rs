@@ -11,14 +11,13 @@
 //! Contacts between two bodies that both can move are not in the factor: their blocks are not in its pattern. They have a smaller penalty
 //! and more updates.
 
-use crate::contact::Contact;
+use crate::energy_line::EnergyLine;
 use crate::options::AugmentedLagrangianOptions;
 use crate::reduced::Reduced;
-use crate::row::Row;
 use crate::set::ContactSet;
 use crate::solver::{ContactSolver, SystemResponse};
 use crate::system_forces::{add_contacts, add_forces_along, multiply_without_contacts};
-use crate::vectors::{clear_fixed, convex_search, dot, norm_of_free};
+use crate::vectors::{clear_fixed, dot, norm_of_free};
 use microsim_sparse::NotPositive;
 use nalgebra::Vector3;
 
@@ -146,15 +145,8 @@ impl ContactSolver<SystemResponse<'_>> for AugmentedLagrangian {
                 system.solve_with(&mut apply, inner, inexact)?;
                 let slope = -dot(product, inner);
                 multiply_without_contacts(system, contacts, rows, inner, product);
-                let stiffness = dot(inner, product);
-                let step = search(
-                    options,
-                    contacts,
-                    rows,
-                    direction,
-                    inner,
-                    [slope, stiffness, dot(left, inner)],
-                );
+                let line = EnergyLine::new((contacts, rows), [direction, inner], [left, product]);
+                let step = line.lowest(slope, options.flat_slope, options.bisections);
                 for ((d, i), (l, p)) in direction
                     .iter_mut()
                     .zip(&*inner)
@@ -187,28 +179,4 @@ impl ContactSolver<SystemResponse<'_>> for AugmentedLagrangian {
         }
         Ok(())
     }
-}
-
-/// The step length along an inner direction at which the energy is lowest: 1, but where contacts that it closes or opens matter. The
-/// slope of the energy at the start, the curvature without contacts, and the work of the forces left without contacts are given.
-fn search(
-    options: &AugmentedLagrangianOptions,
-    contacts: &[Contact],
-    rows: &[Row],
-    direction: &[Vector3<f64>],
-    inner: &[Vector3<f64>],
-    [slope, stiffness, along]: [f64; 3],
-) -> f64 {
-    let slope_at = |length: f64| {
-        let mut slope = length * stiffness - along;
-        for (contact, row) in contacts.iter().zip(rows) {
-            if row.penalty > 0.0 {
-                let motion = contact.interpolate(inner);
-                let y = contact.interpolate(direction) + motion * length;
-                slope -= row.force_at(contact, &y).dot(&motion);
-            }
-        }
-        slope
-    };
-    convex_search(slope, options.flat_slope, options.bisections, slope_at)
 }

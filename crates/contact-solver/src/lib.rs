@@ -22,6 +22,7 @@ mod components;
 mod cone_program;
 mod contact;
 mod directions;
+mod energy_line;
 mod gauss_seidel;
 mod interior_point;
 mod nodal;

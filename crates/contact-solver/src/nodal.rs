@@ -5,6 +5,19 @@ use crate::solver::{AddProduct, LinearSystem};
 use microsim_sparse::NotPositive;
 use nalgebra::{Matrix3, Vector3};
 
+/// Least weight of the nodes of a contact that can move, relative to that of those that are prescribed: each the root of the sum of squares.
+const LEAST_FREE_WEIGHT: f64 = 0.01;
+
+/// Whether a contact lies on what is prescribed, by its weights and whether each of its nodes can move: less than a hundredth of the weight is on nodes that can. That,
+/// often a rounding error, would have to move them more than a hundred times as far as the sides are to part.
+pub(crate) fn is_held(weights: &[f64; 4], moves: [bool; 4]) -> bool {
+    let [mut free, mut held] = [0.0; 2];
+    for (weight, moves) in weights.iter().zip(moves) {
+        *(if moves { &mut free } else { &mut held }) += weight * weight;
+    }
+    free < LEAST_FREE_WEIGHT * LEAST_FREE_WEIGHT * held
+}
+
 /// The response of each contact to its own force, from a compliance of each node: the diagonal of the Delassus operator, by parts.
 #[derive(Clone, Debug, Default)]
 pub struct NodalCompliance {
@@ -21,22 +34,23 @@ pub(crate) struct NodalRow {
 }
 
 impl NodalCompliance {
-    /// Sets the response of these contacts; `compliance` is the displacement of a node per force \[m/N\], 0 for a prescribed one.
+    /// Sets the response of these contacts; `compliance` is the displacement of a node per force \[m/N\], 0 for a prescribed one. Contacts on prescribed
+    /// nodes move nothing.
     pub fn set(&mut self, contacts: &[Contact], compliance: impl Fn(usize) -> f64) {
         self.rows.clear();
         for contact in contacts {
-            let mut row = NodalRow {
-                response: [0.0; 4],
-                compliance: 0.0,
-            };
-            for ((response, &node), weight) in row
-                .response
-                .iter_mut()
-                .zip(&contact.nodes)
-                .zip(contact.weights)
-            {
-                *response = weight * compliance(node as usize);
-                row.compliance += weight * *response;
+            let compliances = contact.nodes.map(|node| compliance(node as usize));
+            let mut row = NodalRow::INERT;
+            if !is_held(&contact.weights, compliances.map(|c| c > 0.0)) {
+                for ((response, compliance), weight) in row
+                    .response
+                    .iter_mut()
+                    .zip(compliances)
+                    .zip(contact.weights)
+                {
+                    *response = weight * compliance;
+                    row.compliance += weight * *response;
+                }
             }
             self.rows.push(row);
         }
@@ -147,5 +161,35 @@ impl LinearSystem for NodalSystem {
             }
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(weights: [f64; 4]) -> NodalRow {
+        let contact = Contact {
+            nodes: [0, 1, 2, 3],
+            weights,
+            ..Contact::of_node(0, Vector3::z(), 0.0)
+        };
+        let mut compliance = NodalCompliance::default();
+        compliance.set(&[contact], |node| if node == 0 { 2.0 } else { 0.0 });
+        compliance.rows[0]
+    }
+
+    /// The compliance is w² of the free node times its own; with less than a hundredth of the weight there is none.
+    #[test]
+    fn a_contact_on_what_is_prescribed_moves_nothing() {
+        assert_eq!(row([0.5, 0.5, 0.0, 0.0]).compliance, 0.5);
+        assert_eq!(
+            row([0.015_625, 1.0, 0.0, 0.0]).response,
+            [0.031_25, 0.0, 0.0, 0.0]
+        );
+        for weight in [0.007_812_5, 1e-17, 0.0] {
+            let row = row([weight, 1.0, 0.0, 0.0]);
+            assert_eq!((row.response, row.compliance), ([0.0; 4], 0.0));
+        }
     }
 }

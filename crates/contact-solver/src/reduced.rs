@@ -10,9 +10,15 @@
 //! where J gives the motions of the contacts: one number for each without friction, three with. So once the Delassus operator G is known
 //! the multipliers, and what is closed and what slides, are found in small dense systems. It is Newton's method for the same energy, now
 //! a function of p, whose gradient is G (p − f − F η).
+//!
+//! The step of a round is shortened where the energy of the step, with all contacts, rises along it; its multipliers remain. It does where contacts that had no part in it close far
+//! behind their surfaces: a shred that a blade lets go flies on until something is in its path. And it does where nothing but contacts holds a
+//! shred: without them its response, by its mass alone, is a difference of almost equal numbers of the factor, and what comes of that is no
+//! direction of descent. Then the round is dropped.
 
 use crate::contact::Contact;
 use crate::directions::{self, Member};
+use crate::energy_line::EnergyLine;
 use crate::options::AugmentedLagrangianOptions;
 use crate::row::Row;
 use crate::solver::{LinearSystem, Tolerances};
@@ -20,6 +26,9 @@ use crate::system_forces::{add_forces_along, multiply_without_contacts};
 use crate::vectors::{clear_fixed, convex_search, norm_of_free, scatter};
 use microsim_sparse::NotPositive;
 use nalgebra::{Matrix3, Vector3};
+
+/// Changes of an energy below this fraction of its terms are within the digits of an f32 factor's response.
+const FACTOR_ROUNDING: f64 = 1e-6;
 
 /// A contact where a displacement is sought.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +58,8 @@ pub(crate) struct Reduced {
     /// The directions whose curvature is not that in A, and the matrix of their equations with the right-hand side.
     changed: Vec<usize>,
     matrix: Vec<f64>,
+    /// The rows at the start of a round.
+    before: Vec<Row>,
 }
 
 impl Reduced {
@@ -64,12 +75,14 @@ impl Reduced {
             motion_step: Vec::new(),
             changed: Vec::new(),
             matrix: Vec::new(),
+            before: Vec::new(),
         }
     }
 
-    /// Adds to `direction` what is missing of it, and sets the multipliers, if there are few contacts enough, none between two bodies that
-    /// can move, and the system has a factor; returns what may be left of all forces then \[N\], else none. There may be more, if the
-    /// factor has too few digits. `scale` is the norm of the forces that no contact has \[N\]; of `work`, the first is what is left of
+    /// Adds to `direction` what is missing of it, and sets the multipliers, if there are few enough contacts, none between two bodies that
+    /// can move, the system has a factor and its response leads to less energy; returns what may be left of all forces then \[N\], else none;
+    /// rounds before one that does not descend count.
+    /// There may be more, if the factor has too few digits. `scale` is the norm of the forces that no contact has \[N\]; of `work`, the first is what is left of
     /// them.
     pub fn solve(
         &mut self,
@@ -107,6 +120,8 @@ impl Reduced {
             let most = *most.get_or_insert(options.decrease * missing);
             let enough = most.min(rough * largest.max(missing));
             solve(system, fixed, options.inexactness * enough, limits, inner)?;
+            self.before.clear();
+            self.before.extend_from_slice(rows);
             self.begin(contacts, rows, direction, inner);
             let goals = [most, rough, tolerances.multipliers * edge];
             let enough = self.balance(contacts, rows, scale, goals);
@@ -116,13 +131,25 @@ impl Reduced {
                 scatter(&contacts[member.of.contact], &force, product);
             }
             solve(system, fixed, options.inexactness * enough, limits, product)?;
-            for ((step, more), d) in inner.iter_mut().zip(&*product).zip(&mut *direction) {
+            for (step, more) in inner.iter_mut().zip(&*product) {
                 *step += more;
-                *d += *step;
             }
             multiply_without_contacts(system, contacts, rows, inner, product);
-            for (left, product) in left.iter_mut().zip(&*product) {
-                *left -= product;
+            let line = EnergyLine::new((contacts, rows), [direction, inner], [left, product]);
+            let mut length = 1.0;
+            if line.rises(FACTOR_ROUNDING) {
+                let slope = line.slope_at(0.0);
+                if slope.is_nan() || slope >= 0.0 || !line.slope_at(1.0).is_finite() {
+                    rows.copy_from_slice(&self.before);
+                    return Ok(None);
+                }
+                let (flat, bisections) = (self.options.flat_slope, self.options.bisections);
+                length = line.lowest(slope, flat, bisections);
+            }
+            let of_nodes = direction.iter_mut().zip(left.iter_mut());
+            for ((d, left), (step, product)) in of_nodes.zip(inner.iter().zip(&*product)) {
+                *d += step * length;
+                *left -= product * length;
             }
         }
         Ok(most)

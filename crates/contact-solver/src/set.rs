@@ -11,6 +11,7 @@
 //! multipliers of the last step are the first guess of those of this one.
 
 use crate::contact::Contact;
+use crate::nodal::is_held;
 use crate::options::AugmentedLagrangianOptions;
 use crate::row::{ContactForce, Row};
 use crate::solver::LinearSystem;
@@ -72,7 +73,7 @@ impl ContactSet {
     }
 
     /// Linearises the contacts that were found at `positions` in a step from `start`; `stiffness` is that of a node by itself \[N/m\], 0
-    /// for a prescribed one. In statics old overlaps are undone by force, else they are only prevented from going deeper.
+    /// for a prescribed one. Contacts with less than a hundredth of their weight on nodes that can move, move nothing and have no force. In statics old overlaps are undone by force, else they are only prevented from going deeper.
     pub fn linearise(
         &mut self,
         start: &[Vector3<f64>],
@@ -108,9 +109,11 @@ impl ContactSet {
             let slip = contact.interpolate(positions) - contact.interpolate(start) - contact.drift;
             let mut compliances = [0.0; 2];
             let mut responses = [0.0; 4];
-            for (k, (&node, weight)) in contact.nodes.iter().zip(contact.weights).enumerate() {
-                let stiffness = stiffness(node as usize);
-                if stiffness > 0.0 {
+            let stiffnesses = contact.nodes.map(|node| stiffness(node as usize));
+            let is_held = is_held(&contact.weights, stiffnesses.map(|of| of > 0.0));
+            for (k, (stiffness, weight)) in stiffnesses.into_iter().zip(contact.weights).enumerate()
+            {
+                if stiffness > 0.0 && !is_held {
                     responses[k] = weight / stiffness;
                     let side = usize::from(k >= usize::from(contact.first));
                     compliances[side] += weight * weight / stiffness;
@@ -127,19 +130,23 @@ impl ContactSet {
             } else {
                 0.0
             };
-            let across = friction - contact.normal * contact.normal.dot(&friction);
-            self.rows.push(Row {
-                force: ContactForce {
+            let force = match penalty > 0.0 {
+                true => ContactForce {
                     normal: contact.normal_force,
-                    friction: across,
+                    friction: friction - contact.normal * contact.normal.dot(&friction),
                     is_sliding,
                 },
+                // Nothing would update it: it would stay what it was.
+                false => ContactForce::OPEN,
+            };
+            self.rows.push(Row {
+                force,
                 penalty,
                 tangential_penalty: self.options.tangential_penalty * penalty,
                 is_between_bodies,
-                multiplier: contact.normal_force,
-                friction_multiplier: across,
-                friction_bound: contact.friction * contact.normal_force,
+                multiplier: force.normal,
+                friction_multiplier: force.friction,
+                friction_bound: contact.friction * force.normal,
                 has_fixed_bound: false,
                 floor: match statics {
                     true => contact.floor,
@@ -305,6 +312,30 @@ impl ContactSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// One side lies between a free node and a prescribed one, the other is a point: with a 128th of the weight on the free one it has nothing to move, and
+    /// the force that it had is gone; with a 64th it has.
+    #[test]
+    fn contacts_on_prescribed_nodes_have_no_force() {
+        let positions = [Vector3::zeros(); 2];
+        for (free, moves) in [(1.0 / 128.0, false), (1.0 / 64.0, true)] {
+            let mut set = ContactSet::new(2, 1e-3, AugmentedLagrangianOptions::default());
+            set.contacts = vec![Contact {
+                nodes: [0, 1, 0, 0],
+                weights: [free, 1.0, 0.0, 0.0],
+                normal_force: 0.1,
+                friction: 0.5,
+                ..Contact::of_node(0, Vector3::z(), 0.0)
+            }];
+            set.linearise(&positions, &positions, false, |node| {
+                if node == 0 { 100.0 } else { 0.0 }
+            });
+            assert_eq!(set.rows[0].penalty > 0.0, moves);
+            set.publish();
+            let expected = if moves { 0.1 } else { 0.0 };
+            assert_eq!(set.contacts[0].normal_force, expected);
+        }
+    }
 
     /// A source gives normal forces by what it found last: after a step back these are not what is restored.
     #[test]

@@ -1,11 +1,16 @@
-//! The three solvers on one problem.
+//! The three solvers on one problem, and what contacts among themselves do with a wrong response.
 
+use crate::energy_line::EnergyLine;
+use crate::reduced::Reduced;
+use crate::solver::AddProduct;
+use crate::vectors::norm_of_free;
 use crate::{
     AugmentedLagrangian, Contact, ContactOptions, ContactSet, ContactSolver, GapConstraint,
-    GaussSeidel, InteriorPoint, InteriorPointOptions, NodalCompliance, NodalResponse, NodalSystem,
-    SystemResponse, Tolerances,
+    GaussSeidel, InteriorPoint, InteriorPointOptions, LinearSystem, NodalCompliance, NodalResponse,
+    NodalSystem, SystemResponse, Tolerances,
 };
-use nalgebra::Vector3;
+use microsim_sparse::NotPositive;
+use nalgebra::{Matrix3, Vector3};
 
 const STIFFNESSES: [f64; 3] = [100.0, 40.0, 250.0];
 const FRICTION: f64 = 0.4;
@@ -19,6 +24,14 @@ fn pushes() -> [Vector3<f64>; 3] {
     ]
 }
 
+fn nodal() -> NodalSystem {
+    NodalSystem::new(STIFFNESSES.to_vec())
+}
+
+fn misjudged() -> Misjudged {
+    Misjudged(nodal(), -1e6)
+}
+
 fn contacts() -> Vec<Contact> {
     let on = |node| Contact {
         friction: FRICTION,
@@ -30,7 +43,7 @@ fn contacts() -> Vec<Contact> {
 /// Contacts and displacements \[m\].
 type Solution = (Vec<Contact>, Vec<Vector3<f64>>);
 
-fn implicit<S>(mut solver: S) -> Solution
+fn implicit<S>(mut solver: S, mut system: impl LinearSystem) -> Solution
 where
     S: for<'a> ContactSolver<SystemResponse<'a>, Contacts = ContactSet>,
 {
@@ -43,7 +56,7 @@ where
         set.linearise(&rest, &rest, false, |node| STIFFNESSES[node]);
         motion.fill(Vector3::zeros());
         let response = SystemResponse {
-            system: &mut NodalSystem::new(STIFFNESSES.to_vec()),
+            system: &mut system,
             forces: &pushes(),
             fixed: &[false; 3],
             tolerances: Tolerances {
@@ -82,8 +95,15 @@ fn explicit() -> Solution {
 fn all_solvers_find_the_closed_form() {
     let options = ContactOptions::default();
     let solutions = [
-        implicit(AugmentedLagrangian::new(3, options.augmented_lagrangian)),
-        implicit(InteriorPoint::new(3, options.interior_point)),
+        implicit(
+            AugmentedLagrangian::new(3, options.augmented_lagrangian),
+            nodal(),
+        ),
+        implicit(
+            AugmentedLagrangian::new(3, options.augmented_lagrangian),
+            misjudged(),
+        ),
+        implicit(InteriorPoint::new(3, options.interior_point), nodal()),
         explicit(),
     ];
     for (contacts, motion) in solutions {
@@ -103,6 +123,110 @@ fn all_solvers_find_the_closed_form() {
             assert!(error < 1e-8, "{node}: {error} m");
         }
     }
+}
+
+/// Nodes whose responses to forces of contacts come out as a multiple of what they are, as by cancellation in a factor of few digits; all else is right.
+struct Misjudged(NodalSystem, f64);
+
+impl LinearSystem for Misjudged {
+    fn is_small(&self) -> bool {
+        self.0.is_small()
+    }
+
+    fn add_contact(&mut self, contact: &Contact, block: &Matrix3<f64>) -> bool {
+        self.0.add_contact(contact, block)
+    }
+
+    fn multiply(&self, p: &[Vector3<f64>], q: &mut [Vector3<f64>]) {
+        self.0.multiply(p, q);
+    }
+
+    fn solve(&mut self, x: &mut [Vector3<f64>], tolerance: f64) -> Result<(), NotPositive> {
+        self.0.solve(x, tolerance)
+    }
+
+    fn solve_with(
+        &mut self,
+        add: AddProduct<'_>,
+        x: &mut [Vector3<f64>],
+        tolerance: f64,
+    ) -> Result<(), NotPositive> {
+        self.0.solve_with(add, x, tolerance)
+    }
+
+    fn set_delassus(&mut self, rows: &[[(u32, Vector3<f64>); 4]], operator: &mut Vec<f64>) -> bool {
+        let is_set = self.0.set_delassus(rows, operator);
+        operator.iter_mut().for_each(|entry| *entry *= self.1);
+        is_set
+    }
+}
+
+/// A round that does not descend is dropped, and leaves all as it was: displacements, what is left of the forces, multipliers. Responses of the wrong sign, and none at
+/// all, give such rounds; the right one does not.
+#[test]
+fn a_round_that_does_not_descend_changes_nothing() {
+    /// Force of each contact in the step before \[N\].
+    const GUESS: f64 = 0.05;
+    let options = ContactOptions::default().augmented_lagrangian;
+    let rest = [Vector3::zeros(); 3];
+    let forces = pushes();
+    let solve = |factor: f64| {
+        let mut set = ContactSet::new(3, 1e-2, options);
+        set.contacts = contacts();
+        for contact in &mut set.contacts {
+            contact.normal_force = GUESS;
+        }
+        set.linearise(&rest, &rest, false, |node| STIFFNESSES[node]);
+        let [mut left, mut inner, mut product] = [forces; 3];
+        let mut motion = rest;
+        let tolerances = Tolerances {
+            residual: 1e-10,
+            changes: 1e-10,
+            multipliers: 1e-10,
+        };
+        let mut system = Misjudged(nodal(), factor);
+        let most = Reduced::new(options).solve(
+            set.parts(),
+            (&mut system, &[false; 3], tolerances),
+            norm_of_free(&forces, &[false; 3]),
+            [&mut left, &mut inner, &mut product],
+            &mut motion,
+        );
+        let (_, rows, _) = set.parts();
+        let multipliers: Vec<f64> = rows.iter().map(|row| row.multiplier).collect();
+        (most.unwrap().is_some(), motion, left, multipliers)
+    };
+    let unchanged = (false, rest, forces, vec![GUESS; 3]);
+    assert_eq!(solve(f64::NAN), unchanged);
+    let (is_solved, _, _, multipliers) = solve(1.0);
+    assert!(is_solved && multipliers != [GUESS; 3]);
+}
+
+/// A node of 100 N/m that is pushed by 1 N against a contact that closes at half of the 10 mm that it would go; the penalty is ten times its stiffness. Lowest is the energy
+/// where 1 N = 100 N/m · y + 1000 N/m · (y − 5 mm): at y = 6 N / 1100 N/m.
+#[test]
+fn an_energy_that_rises_is_lowest_where_the_forces_balance() {
+    let options = ContactOptions::default().augmented_lagrangian;
+    let rest = [Vector3::zeros()];
+    let mut set = ContactSet::new(1, 1e-2, options);
+    let lowest = |set: &mut ContactSet, gap: f64| {
+        set.contacts = vec![Contact::of_node(0, -Vector3::z(), -gap)];
+        set.linearise(&rest, &rest, true, |_| 100.0);
+        let (contacts, rows, _) = set.parts();
+        let step = [Vector3::z() * 10e-3];
+        let [left, product] = [[Vector3::z()], [step[0] * 100.0]];
+        let line = EnergyLine::new((contacts, rows), [&rest, &step], [&left, &product]);
+        let length = line.lowest(line.slope_at(0.0), 0.0, options.bisections);
+        (line.rises(0.0), length)
+    };
+    let (rises, length) = lowest(&mut set, 5e-3);
+    assert!(rises);
+    assert!((length * 10e-3 - 6.0 / 1100.0).abs() < 1e-10, "{length}");
+    assert_eq!(
+        lowest(&mut set, 20e-3),
+        (false, 1.0),
+        "it closes behind the end"
+    );
 }
 
 /// Ten nodes on a floor are pushed down by 1 to 10 N, and there is room for six directions: the six that press most have their forces, along the

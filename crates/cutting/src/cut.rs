@@ -1,6 +1,7 @@
 //! A step of a cut: from the blade's path to the edit.
 
 use crate::blade::Blade;
+use crate::change::TopologyChange;
 use crate::crossing::Crossing;
 use crate::decide::{self, Decisions, Fate};
 use crate::editor::Editor;
@@ -66,7 +67,15 @@ impl Topology {
         blade.check(mesh.positions.len())?;
         let mut crossings = self.crossings(blade)?;
         if crossings.is_empty() {
-            return Ok(self.pass_by(mesh, stroke, blade, settings));
+            let Some(near) = self.go_on(stroke, blade) else {
+                return Ok(None);
+            };
+            let due = self.due(stroke, blade);
+            if due.is_empty() {
+                return Ok(self.pass_by(mesh, stroke, blade, &near, settings));
+            }
+            self.remember_swept(&stroke.across, blade);
+            return Ok(self.make(mesh, stroke, blade, due, settings));
         }
         if stroke.sheet == 0 {
             self.sheets += 1;
@@ -76,31 +85,91 @@ impl Topology {
             let normals = crossings.values().map(|crossing| crossing.normal);
             let normal = normals.sum::<Vector3<f64>>() / crossings.len() as f64;
             stroke.advance_by(&normal, self.mean_edge);
-            self.remember_swept(&stroke.across, blade);
+            if settings.change != TopologyChange::Remove {
+                self.remember_swept(&stroke.across, blade);
+            }
+            let forward = crossings.iter().map(|(edge, of)| (*edge, of.positive));
+            let forward = forward.collect();
             orient(stroke, &mut crossings, blade.now());
+            if settings.change == TopologyChange::SemiProgressive {
+                self.add_points(mesh, stroke, &crossings);
+                stroke.hold(crossings, &forward);
+                let due = self.due(stroke, blade);
+                return Ok(self.make(mesh, stroke, blade, due, settings));
+            }
         } else {
             let normals = crossings.values().map(|crossing| crossing.normal);
             stroke.across = normals.filter_map(|normal| normal.try_normalize(0.0)).sum();
         }
-        let crossed = crossings.len();
-        for ([a, b], crossing) in &crossings {
+        self.add_points(mesh, stroke, &crossings);
+        if settings.change == TopologyChange::Remove {
+            return self.take_away(mesh, stroke, blade.now(), &crossings, settings);
+        }
+        Ok(self.make(mesh, stroke, blade, crossings, settings))
+    }
+
+    /// Cuts what waits in a stroke whose blade is gone; nodes are now at `current` \[m\]. `None` when nothing waits, as with all but
+    /// [`TopologyChange::SemiProgressive`].
+    pub fn conclude_stroke(
+        &mut self,
+        mesh: &TetMesh,
+        stroke: &mut Stroke,
+        current: &[Vector3<f64>],
+        settings: &Settings,
+    ) -> Option<Cut> {
+        let due = self.all_due(stroke);
+        let blade = Blade::Sweep {
+            sweeps: &[],
+            before: current,
+            now: current,
+        };
+        self.make(mesh, stroke, &blade, due, settings)
+    }
+
+    /// Remembers where crossed edges were crossed, at rest.
+    fn add_points(
+        &self,
+        mesh: &TetMesh,
+        stroke: &mut Stroke,
+        crossings: &BTreeMap<[u32; 2], Crossing>,
+    ) {
+        for ([a, b], crossing) in crossings {
             let [a, b] = [a, b].map(|n| mesh.positions[*n as usize]);
             stroke.points.add(&a.lerp(&b, crossing.fraction));
         }
-        let decisions = decide::decide(self, mesh, stroke, crossings, settings);
-        let mut cut = self.carry_out(mesh, stroke, blade, &decisions, settings);
-        if let Some(cut) = &mut cut {
-            stroke.leave(&cut.edit, mesh.positions.len());
-            if cut.opened[0].area > 0.0 {
-                cut.points = std::mem::take(&mut stroke.points);
-            }
-            cut.crossed = crossed;
-            cut.clamped = decisions.clamped;
-            cut.joined = decisions.joined;
-            cut.snapped = decisions.snapped;
-            cut.dropped = decisions.dropped;
+    }
+
+    /// Makes a cut of crossed edges.
+    fn make(
+        &mut self,
+        mesh: &TetMesh,
+        stroke: &mut Stroke,
+        blade: &Blade,
+        crossings: BTreeMap<[u32; 2], Crossing>,
+        settings: &Settings,
+    ) -> Option<Cut> {
+        if crossings.is_empty() {
+            return None;
         }
-        Ok(cut)
+        let crossed = crossings.len();
+        let decisions = decide::decide(self, mesh, stroke, crossings, settings);
+        let mut cut = self.carry_out(mesh, stroke, blade, &decisions, settings)?;
+        stroke.leave(&cut.edit, mesh.positions.len());
+        if cut.opened[0].area > 0.0 {
+            cut.points = std::mem::take(&mut stroke.points);
+        }
+        cut.crossed = crossed;
+        cut.clamped = decisions.clamped;
+        cut.joined = decisions.joined;
+        cut.snapped = decisions.snapped;
+        cut.dropped = decisions.dropped;
+        Some(cut)
+    }
+
+    /// The edges that a blade crosses in this step, smaller node first, and where on each, from 0 to 1. Nothing is cut.
+    pub fn crossed(&mut self, blade: &Blade) -> Result<Vec<([u32; 2], f64)>, Rejected> {
+        let crossings = self.crossings(blade)?.into_iter();
+        Ok(crossings.map(|(edge, of)| (edge, of.fraction)).collect())
     }
 
     /// The crossed edges, smaller node first.
@@ -147,14 +216,8 @@ impl Topology {
         Ok(crossings)
     }
 
-    /// A step in which the blade crosses nothing: its motion relative to the tissue around it, whether it has left that, and bridges.
-    fn pass_by(
-        &mut self,
-        mesh: &TetMesh,
-        stroke: &mut Stroke,
-        blade: &Blade,
-        settings: &Settings,
-    ) -> Option<Cut> {
+    /// A step in which the blade crosses nothing: its motion relative to the tissue around it, of which the nodes are given back; `None` of a sheet.
+    fn go_on(&mut self, stroke: &mut Stroke, blade: &Blade) -> Option<BTreeSet<u32>> {
         let Blade::Sweep {
             sweeps,
             before,
@@ -189,15 +252,29 @@ impl Topology {
             .map(|sweep| sweep.displacement_across(&tissue));
         let normal = across.sum::<Vector3<f64>>() / sweeps.len().max(1) as f64;
         stroke.advance_by(&normal, self.mean_edge);
+        Some(near)
+    }
+
+    /// After a step in which the blade crosses nothing: whether it has left the tissue, and bridges.
+    fn pass_by(
+        &mut self,
+        mesh: &TetMesh,
+        stroke: &mut Stroke,
+        blade: &Blade,
+        near: &BTreeSet<u32>,
+        settings: &Settings,
+    ) -> Option<Cut> {
         if stroke.sheet == 0 {
             return None;
         }
-        self.remember_swept(&stroke.across, blade);
+        if settings.change != TopologyChange::Remove {
+            self.remember_swept(&stroke.across, blade);
+        }
         let is_clear = near.is_empty();
         let mut mended = None;
         if is_clear || stroke.unseen > self.mean_edge {
             stroke.unseen = 0.0;
-            mended = self.mend(mesh, stroke, now, &near, settings);
+            mended = self.mend(mesh, stroke, blade.now(), near, settings);
         }
         if is_clear {
             stroke.end();
@@ -348,6 +425,9 @@ impl Topology {
         let children = parents.chain(mesh.tets.len() as u32..next);
         mend::remember_children(&mut editor, &stroke.across, blade, children);
         let mut faces = opening::faces_to_open(&editor, stroke, &touched);
+        if settings.change == TopologyChange::SemiProgressive {
+            faces.extend(opening::cracks(&editor, stroke, &touched));
+        }
         opening::retain_flakes(&editor, stroke, &mut faces, settings);
         for [node, copy] in editor.open(&faces, sheet) {
             stroke.copied(node, copy);

@@ -3,6 +3,7 @@
 //! Every decision is that of an edge or a face alone, so all elements at it agree. Whatever is decided, a crossed edge has a
 //! node on the path in the end: no path along edges joins both sides without it.
 
+use crate::change::TopologyChange;
 use crate::crossing::Crossing;
 use crate::pattern::{self, EDGES, EdgeSet, PatternNode};
 use crate::settings::Settings;
@@ -112,7 +113,8 @@ fn first_fate(
         return Fate::Retained(node);
     }
     let [a, b] = edge.map(|n| mesh.positions[n as usize]);
-    if (b - a).norm() < settings.least_edge * topology.mean_edge {
+    let is_short = (b - a).norm() < settings.least_edge * topology.mean_edge;
+    if is_short || settings.change == TopologyChange::SplitAtFaces {
         decisions.snapped += 1;
         return Fate::Retained(nearer(crossing, edge));
     }

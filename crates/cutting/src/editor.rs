@@ -1,6 +1,7 @@
 //! Changes to a topology, recorded as one edit.
 
 use crate::fibre::Fibre;
+use crate::moves::last_places;
 use crate::pieces;
 use crate::report::{Cut, Opened, SurfaceChange};
 use crate::settings::Settings;
@@ -33,6 +34,10 @@ pub(crate) struct Editor<'a> {
     opened: Vec<OpenedFace>,
     /// Elements that rupture: alone they are crumbs, whatever their size.
     pub shreds: BTreeMap<u32, Fibre>,
+    /// Elements that are taken away: crumbs too.
+    pub taken: BTreeSet<u32>,
+    /// Of what takes them away the normal of its path.
+    pub across: Vector3<f64>,
 }
 
 impl<'a> Editor<'a> {
@@ -52,6 +57,8 @@ impl<'a> Editor<'a> {
             touched: BTreeMap::new(),
             opened: Vec::new(),
             shreds: BTreeMap::new(),
+            taken: BTreeSet::new(),
+            across: Vector3::zeros(),
         }
     }
 
@@ -89,7 +96,8 @@ impl<'a> Editor<'a> {
         }
     }
 
-    fn touch(&mut self, element: u32) {
+    /// What happens to an element is part of the edit.
+    pub(crate) fn touch(&mut self, element: u32) {
         let slot = self.slot(element);
         let topology = &self.topology;
         self.touched
@@ -172,7 +180,7 @@ impl<'a> Editor<'a> {
         let mut pieces = pieces::come_off(self.topology, &pairs.collect::<Vec<_>>());
         let mut crumbs = Vec::new();
         pieces.retain(|piece| {
-            let crumb = piece.iter().all(|e| self.shreds.contains_key(e))
+            let crumb = piece.iter().all(|e| self.is_shred(e))
                 || self.is_crumb(piece, settings.crumb_volume, settings.least_fraction);
             if crumb {
                 crumbs.extend_from_slice(piece);
@@ -181,10 +189,16 @@ impl<'a> Editor<'a> {
         });
         // The part with most elements is no piece, and may be a shred.
         let apart = |shred: u32| (0..4).all(|k| self.topology.neighbour(shred, k).is_none());
-        crumbs.extend(self.shreds.keys().filter(|shred| apart(**shred)));
+        let shreds = self.shreds.keys().chain(&self.taken);
+        crumbs.extend(shreds.filter(|shred| apart(**shred)));
         crumbs.sort_unstable();
         crumbs.dedup();
         Some(self.finish(&crumbs, pieces))
+    }
+
+    /// Whether an element is not to remain when it is alone.
+    fn is_shred(&self, element: &u32) -> bool {
+        self.shreds.contains_key(element) || self.taken.contains(element)
     }
 
     /// Whether a part is too small to remain: by its volume over the mean element's, or its longest edge over the mean
@@ -308,11 +322,8 @@ impl<'a> Editor<'a> {
         }
         let gone = self.topology.remove(crumbs);
         debug_assert_eq!(gone, leaving);
-        let moved = |element: u32| {
-            moves
-                .iter()
-                .fold(element, |e, &(from, to)| if e == from { to } else { e })
-        };
+        let places = last_places(&moves);
+        let moved = |element: u32| places.get(&element).copied().unwrap_or(element);
         let is_crumb = |e: &u32| crumbs.binary_search(e).is_ok();
         let renumbered = renumbered.into_iter().filter(|e| !is_crumb(e)).map(moved);
         let mut renumbered: Vec<u32> = renumbered.collect();
@@ -403,11 +414,8 @@ impl<'a> Editor<'a> {
             centroid += (a + b + c) * (seen.abs() / 3.0);
         }
         let section = |(shred, fibre): (&u32, &Fibre)| {
-            let [a, b, c, d] = self.topology.tets[*shred as usize].map(|n| self.place(n)[k]);
-            let places = [a, b, c, d].map(|place| place.dot(&fibre[k]));
-            let [least, most] = [f64::min, f64::max].map(|of| places.into_iter().reduce(of));
-            let extent = most.unwrap_or_default() - least.unwrap_or_default();
-            microsim_geometry::signed_volume(&a, &b, &c, &d).abs() / extent.max(f64::MIN_POSITIVE)
+            let corners = self.topology.tets[*shred as usize].map(|n| self.place(n)[k]);
+            mean_section(&corners, &fibre[k])
         };
         let sections: f64 = self.shreds.iter().map(section).sum();
         let area = ahead.min(behind).min(sections);
@@ -418,14 +426,25 @@ impl<'a> Editor<'a> {
         }
     }
 
+    /// Adds the mean sections of elements that are taken away across the normal of the path, at rest (0) or now (1): what the blade went through.
+    fn add_taken(&self, k: usize, sum: &mut Opened) {
+        let Some(across) = self.across.try_normalize(0.0) else {
+            return;
+        };
+        for &element in &self.taken {
+            let corners = self.topology.tets[element as usize].map(|n| self.place(n)[k]);
+            let area = mean_section(&corners, &across);
+            sum.area += area;
+            sum.centroid += corners.iter().sum::<Vector3<f64>>() * (area / 4.0);
+            sum.normal += across * area;
+        }
+    }
+
     /// Area, centroid and normal of what came apart, at rest and now.
     fn opened_area(&self) -> [Opened; 2] {
         let mut sums = [Opened::default(); 2];
         for opened in &self.opened {
-            let shreds = opened
-                .faces
-                .iter()
-                .filter(|(e, _)| self.shreds.contains_key(e));
+            let shreds = opened.faces.iter().filter(|(e, _)| self.is_shred(e));
             if shreds.count() > 0 {
                 continue;
             }
@@ -443,6 +462,7 @@ impl<'a> Editor<'a> {
         }
         for (k, sum) in sums.iter_mut().enumerate() {
             self.add_ruptured(k, sum);
+            self.add_taken(k, sum);
         }
         for sum in &mut sums {
             sum.centroid = if sum.area > 0.0 {
@@ -459,4 +479,13 @@ impl<'a> Editor<'a> {
         }
         sums
     }
+}
+
+/// Mean area of the sections of a tetrahedron across a direction: its volume over its extent along it.
+fn mean_section(corners: &[Vector3<f64>; 4], along: &Vector3<f64>) -> f64 {
+    let [a, b, c, d] = corners;
+    let places = [a, b, c, d].map(|place| place.dot(along));
+    let [least, most] = [f64::min, f64::max].map(|of| places.into_iter().reduce(of));
+    let extent = most.unwrap_or_default() - least.unwrap_or_default();
+    microsim_geometry::signed_volume(a, b, c, d).abs() / extent.max(f64::MIN_POSITIVE)
 }

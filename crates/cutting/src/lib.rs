@@ -13,7 +13,8 @@
 //!
 //! This differs from the dissertation (4.2.1) in one point. There an element is divided when the blade has left it, and a partial pattern opens to the
 //! edge opposite: a crack that the blade did not make, and beside which it goes on. Here a [`Stroke`] remembers the nodes on the path, and
-//! what is cut in part is divided and holds together until the blade has passed it.
+//! what is cut in part is divided and holds together until the blade has passed it. The dissertation's method and two older ones are there beside it
+//! ([`TopologyChange`]).
 //!
 //! A stroke that ends inside tissue leaves the edge of its cut in the topology, and the next goes on from there: a blade may be drawn back
 //! and set in again, in any number of strokes, without a bridge between them.
@@ -31,6 +32,7 @@
 #![forbid(unsafe_code)]
 
 mod blade;
+mod change;
 mod check;
 mod clusters;
 mod crossing;
@@ -40,10 +42,12 @@ mod editor;
 mod fibre;
 mod flow;
 mod mend;
+mod moves;
 mod opening;
 mod path;
 mod pattern;
 mod pieces;
+mod remove;
 mod report;
 mod settings;
 mod sheet;
@@ -52,16 +56,19 @@ mod sweep;
 mod swept;
 mod tear;
 mod topology;
+mod waiting;
 
 pub use blade::Blade;
+pub use change::TopologyChange;
 pub use check::{Flaw, Measures, check};
+pub use crossing::Crossing;
 pub use fibre::Fibre;
 pub use path::PathPoints;
 pub use pattern::{EDGES, EdgeSet, PATTERNS, Pattern, PatternNode, Row, divide};
 pub use report::{Cut, Opened, Rejected, SurfaceChange};
 pub use settings::Settings;
 pub use sheet::Sheet;
-pub use stroke::{PassedNode, Stroke};
+pub use stroke::{PassedNode, Stroke, Waiting};
 pub use sweep::Sweep;
 pub use swept::Swept;
 pub use topology::{SurfaceTriangle, Topology, TopologyState};

@@ -46,6 +46,32 @@ pub(crate) fn faces_to_open(
     faces
 }
 
+/// The inner faces at which elements that the blade has left are cut in part: between corners on different sides, with some nodes on the path.
+pub(crate) fn cracks(
+    editor: &Editor,
+    stroke: &Stroke,
+    elements: &BTreeSet<u32>,
+) -> Vec<FaceToOpen> {
+    let topology = &*editor.topology;
+    let mut faces = Vec::new();
+    for &element in elements {
+        for (corner, other) in closed_faces(topology, element) {
+            let once = other > element || !elements.contains(&other);
+            let face = topology.face(element, corner);
+            let on_path = face.iter().filter(|node| stroke.is_on_path(**node)).count();
+            if !once || on_path % 3 == 0 || topology.is_waiting(stroke, [element, other]) {
+                continue;
+            }
+            let far = topology.tets[other as usize][topology.back(element, other)];
+            let mine = stroke.side(topology.tets[element as usize][corner]);
+            if mine * stroke.side(far) == -1 {
+                faces.push((element, corner, mine < 0));
+            }
+        }
+    }
+    faces
+}
+
 /// The inner faces of an element that no sheet has passed: opposite corner, and element across.
 fn closed_faces(topology: &Topology, element: u32) -> impl Iterator<Item = (usize, u32)> + '_ {
     (0..4).filter_map(move |corner| {

@@ -79,6 +79,8 @@ pub enum Rejected {
     NoBlade,
     /// An end of the blade, or a node near it, is not finite.
     NotFinite,
+    /// No element would remain.
+    NothingLeft,
     /// A face to be opened is not an inner one.
     Face {
         /// The element.
@@ -99,6 +101,7 @@ impl std::fmt::Display for Rejected {
                 write!(f, "not cut: {positions} positions for {nodes} nodes")
             }
             Self::NoBlade => write!(f, "not cut: the blade has no length or the sheet no area"),
+            Self::NothingLeft => write!(f, "not cut: no element would remain"),
             Self::NotFinite => write!(f, "not cut: the blade or a node near it is not finite"),
             Self::Face { element, corner } => write!(
                 f,

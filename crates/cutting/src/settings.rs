@@ -1,8 +1,12 @@
-//! Limits of a cut.
+//! How a cut is made, and its limits.
 
-/// Limits of a cut.
+use crate::change::TopologyChange;
+
+/// How a cut is made, and its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
+    /// How the mesh changes where the blade has gone.
+    pub change: TopologyChange,
     /// Edges are divided no nearer to an end than this fraction (NUMERICS 3.5 a).
     pub least_fraction: f64,
     /// An edge shorter than this fraction of the mean edge of the whole mesh is not divided: the cut goes through its nearer end, and so
@@ -22,6 +26,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            change: TopologyChange::default(),
             least_fraction: 0.15,
             least_edge: 0.3,
             least_volume: 1e-3,

@@ -7,6 +7,7 @@
 //! A hand trembles. Within a reversal the sheet that the blade sweeps turns round, so which side is positive follows from the
 //! steady direction: the sum of the last displacements across the blade.
 
+use crate::crossing::Crossing;
 use crate::path::PathPoints;
 use microsim_mesh::TopologyEdit;
 use nalgebra::Vector3;
@@ -19,6 +20,15 @@ const STEADY: f64 = 2.0;
 /// How far a blade advances, over the mean edge, until it meets nodes as if it had never passed them: farther than any element beside
 /// its path reaches, nearer than where a path that turns round comes again.
 const MEMORY: f64 = 4.0;
+
+/// A crossed edge that waits, smaller node first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Waiting {
+    /// Where it is crossed, its positive side that of the stroke.
+    pub crossing: Crossing,
+    /// Whether the step itself had the second node on its positive side: a step back has not.
+    pub forward: bool,
+}
 
 /// A node that a stroke has passed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,6 +55,8 @@ pub struct Stroke {
     pub unseen: f64,
     /// Where the blade crossed edges since something was last opened.
     pub points: PathPoints,
+    /// Crossed edges, smaller node first, at elements in which the blade still is; only of a semi-progressive cut.
+    pub waiting: BTreeMap<[u32; 2], Waiting>,
 }
 
 impl Stroke {
@@ -86,6 +98,7 @@ impl Stroke {
         if let Some(passed) = self.nodes.get(&node).copied() {
             self.nodes.insert(copy, passed);
         }
+        self.hold_copies(node, copy);
     }
 
     /// The blade has moved: `normal` is blade direction × displacement \[m\].
@@ -112,6 +125,10 @@ impl Stroke {
         for passed in self.nodes.values_mut() {
             passed.side = -passed.side;
             passed.advance = -passed.advance;
+        }
+        for Waiting { crossing, .. } in self.waiting.values_mut() {
+            crossing.positive = !crossing.positive;
+            crossing.normal = -crossing.normal;
         }
     }
 
@@ -144,5 +161,6 @@ impl Stroke {
                 self.nodes.insert(to, passed);
             }
         }
+        self.leave_waiting(edit, nodes);
     }
 }

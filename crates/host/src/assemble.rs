@@ -17,6 +17,7 @@ use crate::plan::{PlannedPart, PlannedPlugin, PluginKind, RunPlan};
 use crate::request::refuse;
 use microsim_message::{MarkerTracking, Message, SetupFile, TISSUE_ELEMENTS, config_value};
 use microsim_settings as settings;
+use microsim_vocabulary::LocalText;
 use serde_json::Value;
 use settings::{
     Calibration, Level, Loaded, Manifest, ModuleConfig, ModuleFolder, ObjectsConfig, PhysicsConfig,
@@ -33,7 +34,7 @@ const RENDERER: &str = "renderer";
 /// Makes the plan.
 pub fn assemble(installation: &Installation, request: &Request) -> Result<RunPlan, AssembleError> {
     let module = installation.module(&request.module)?;
-    let level = installation.level(&request.module, request.level)?;
+    let level = installation.variant(&request.module, request.level, request.variant.as_deref())?;
     let planner = Planner {
         installation,
         request,
@@ -73,13 +74,14 @@ pub fn differences(
     let request = Request {
         module: recorded.module.clone(),
         level: recorded.level,
+        variant: recorded.variant.clone(),
         input: Input::Plugin(source.name.clone()),
         seed: recorded.seed,
         without: recorded.without.clone(),
         pictures: false,
         session: std::path::PathBuf::new(),
     };
-    let level = installation.level(&request.module, request.level)?;
+    let level = installation.variant(&request.module, request.level, request.variant.as_deref())?;
     let module = installation.module(&request.module)?;
     let planner = Planner {
         installation,
@@ -206,7 +208,8 @@ impl Planner<'_> {
             module: self.request.module.clone(),
             module_title: manifest.title.clone(),
             level: self.request.level,
-            level_title: level.title.clone(),
+            variant: self.request.variant.clone(),
+            level_title: title_of(&level.title, self.request.variant.as_deref()),
             level_summary: level.summary.clone(),
             seed: self.request.seed,
             tick_ns,
@@ -331,7 +334,8 @@ impl Planner<'_> {
             PluginKind::Renderer => {
                 let size = &self.installation.host.picture;
                 let size = (size.width, size.height);
-                let config = RendererConfig::new(level, &self.models, size);
+                let mut config = RendererConfig::new(level, &self.models, size);
+                config.caption = caption(self.request.variant.as_deref());
                 return Ok(Some((config_value(&config), self.assets.files.clone())));
             }
             PluginKind::Recorder => config_value(&RecorderConfig {
@@ -376,6 +380,17 @@ fn hash_every(host: &settings::Host, tick_ns: u64) -> u64 {
     (ticks.round() as u64).max(1)
 }
 
+/// The title of a level, with the variant of it that is run.
+pub fn title_of(title: &LocalText, variant: Option<&str>) -> LocalText {
+    match variant {
+        None => title.clone(),
+        Some(name) => LocalText::new(
+            format!("{} (Variante {name})", title.de),
+            format!("{} (variant {name})", title.en),
+        ),
+    }
+}
+
 /// The renderer for a session that was recorded without one: it looks at the level as it is installed now. Pictures are
 /// as wide and high as `size` \[px\], else as the host's configuration.
 pub fn renderer_for(
@@ -383,11 +398,12 @@ pub fn renderer_for(
     plan: &RunPlan,
     size: Option<u32>,
 ) -> Result<PlannedPlugin, AssembleError> {
-    let level = installation.level(&plan.module, plan.level)?;
+    let level = installation.variant(&plan.module, plan.level, plan.variant.as_deref())?;
     let models = tool_models(installation, &level.settings)?;
     let picture = &installation.host.picture;
     let size = size.map_or((picture.width, picture.height), |size| (size, size));
-    let config = RendererConfig::new(&level.settings, &models, size);
+    let mut config = RendererConfig::new(&level.settings, &models, size);
+    config.caption = caption(plan.variant.as_deref());
     let module = installation.module(&plan.module)?;
     let assets = Assets::read(&asset_folders(installation, module), &level)?;
     let run = RunSetup {
@@ -408,6 +424,11 @@ pub fn renderer_for(
     )
 }
 
+/// What pictures of a variant have in their corner, as they look like those of its level.
+fn caption(variant: Option<&str>) -> Option<String> {
+    variant.map(|name| format!("variant {name}"))
+}
+
 /// Whether pictures work on this machine; otherwise why not.
 pub fn probe_renderer(installation: &Installation) -> Result<(), String> {
     let config = RendererConfig {
@@ -420,6 +441,7 @@ pub fn probe_renderer(installation: &Installation) -> Result<(), String> {
         bodies: Vec::new(),
         width: 16,
         height: 16,
+        caption: None,
     };
     probe(installation, RENDERER, config_value(&config), Vec::new())
 }

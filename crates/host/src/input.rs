@@ -165,7 +165,8 @@ fn tracker(
 
 /// The set-up of mouse and keyboard: a hand for each tool of the level.
 fn desktop(installation: &Installation, request: &Request) -> Result<SourceSetup, AssembleError> {
-    let level = installation.level(&request.module, request.level)?;
+    let variant = request.variant.as_deref();
+    let level = installation.variant(&request.module, request.level, variant)?;
     let desktop = settings::load_desktop(&installation.setting("desktop.toml"))?;
     let tools = level.settings.tool.iter().map(|slot| slot.name.clone());
     let tools: Vec<String> = tools.collect();

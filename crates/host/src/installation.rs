@@ -257,6 +257,16 @@ impl Installation {
 
     /// A level of a module, checked.
     pub fn level(&self, module: &str, level: u32) -> Result<Arc<Loaded<Level>>, AssembleError> {
+        self.variant(module, level, None)
+    }
+
+    /// A variant of a level, or the level itself, checked.
+    pub fn variant(
+        &self,
+        module: &str,
+        level: u32,
+        variant: Option<&str>,
+    ) -> Result<Arc<Loaded<Level>>, AssembleError> {
         let folder = self.module(module)?;
         let index = (level as usize).wrapping_sub(1);
         let path = folder.levels.get(index).ok_or_else(|| {
@@ -268,6 +278,11 @@ impl Installation {
                 format!("module \"{module}\" has {has}, not {level}") + &self.hidden(module),
             )
         })?;
+        let path = match variant {
+            None => path,
+            Some(name) => variant_of(folder, level, name)
+                .map_err(|has| AssembleError(format!("level {level} of \"{module}\" {has}")))?,
+        };
         let mut levels = self.levels.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(read) = levels.get(path) {
             return Ok(Arc::clone(read));
@@ -297,6 +312,24 @@ impl Installation {
         let found = candidates.into_iter().find(|p| p.is_file());
         found.unwrap_or_else(|| given.to_path_buf())
     }
+}
+
+/// The file of a variant of a level, or what variants there are.
+fn variant_of<'a>(folder: &'a ModuleFolder, level: u32, name: &str) -> Result<&'a PathBuf, String> {
+    let of_level = || {
+        folder
+            .variants
+            .iter()
+            .filter(|variant| variant.level == level)
+    };
+    if let Some(found) = of_level().find(|variant| variant.name == name) {
+        return Ok(&found.path);
+    }
+    let names: Vec<&str> = of_level().map(|variant| variant.name.as_str()).collect();
+    Err(match names.as_slice() {
+        [] => format!("has no variants, and so no \"{name}\""),
+        names => format!("has no variant \"{name}\": there is {}", names.join(", ")),
+    })
 }
 
 /// The file of settings of this name. One that is there and cannot be read is taken all the same, and complained about.

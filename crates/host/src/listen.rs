@@ -46,6 +46,7 @@ impl Listener {
         let request = Request {
             module: String::new(),
             level: 1,
+            variant: None,
             input: input.clone(),
             seed: 1,
             without: Vec::new(),
@@ -81,6 +82,7 @@ impl Listener {
             module: String::new(),
             module_title: LocalText::new(String::new(), String::new()),
             level: 1,
+            variant: None,
             level_title: LocalText::new(String::new(), String::new()),
             level_summary: LocalText::new(String::new(), String::new()),
             seed: 1,

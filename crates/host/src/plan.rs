@@ -128,6 +128,9 @@ pub struct RunPlan {
     pub module_title: LocalText,
     /// Number of the level, from 1.
     pub level: u32,
+    /// Variant of the level that is run; `None` for the level itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub variant: Option<String>,
     /// Its title.
     pub level_title: LocalText,
     /// What the level asks for.

@@ -48,6 +48,9 @@ pub struct Header {
     pub version: String,
     /// Wall clock at the start, seconds since 1970; for people only.
     pub started: u64,
+    /// Nanoseconds within that second, so that short runs have an order; 0 in sessions of before 2026-11-26.
+    #[serde(default)]
+    pub started_subsec_ns: u32,
     /// Who trains: an id of the store. In sessions of before 2026-11-25 a name.
     pub trainee: Option<String>,
     /// Random id of the session; sessions of before 2026-11-25 have none.

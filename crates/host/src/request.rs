@@ -71,6 +71,8 @@ pub struct Request {
     pub module: String,
     /// Level, from 1.
     pub level: u32,
+    /// Variant of the level; `None` for the level itself.
+    pub variant: Option<String>,
     /// Motion.
     pub input: Input,
     /// Seed.

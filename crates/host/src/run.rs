@@ -184,6 +184,7 @@ pub fn run(plan: &RunPlan, options: RunOptions<'_>) -> Result<RunOutcome, RunErr
             format: RECORD_FORMAT,
             version: env!("CARGO_PKG_VERSION").into(),
             started: started.as_secs(),
+            started_subsec_ns: started.subsec_nanos(),
             trainee: options.trainee.clone(),
             id: options.session_id.clone(),
             unlisted: options.unlisted,

@@ -172,6 +172,7 @@ fn plan() -> RunPlan {
         module: "none".into(),
         module_title: LocalText::default(),
         level: 1,
+        variant: None,
         level_title: LocalText::default(),
         level_summary: LocalText::default(),
         seed: 1,

@@ -22,6 +22,7 @@
 //! sides of the bounding box: a box parallel to the axes, its sides multiples of h, is met exactly. Crossing triangles
 //! are noticed only where the surface winds around a lattice point more than once.
 
+mod fitted;
 mod lattice;
 mod stuffing;
 mod winding;
@@ -29,6 +30,7 @@ mod winding;
 use crate::box_grid::BoxGrid;
 use crate::topology::{edge_uses, pinched_nodes};
 use crate::{Severity, SurfaceDefect, TetMesh, TriangleSurface};
+pub use fitted::{Fitted, LEAST_HEIGHT, fit_lattice};
 use lattice::Lattice;
 use microsim_geometry::{Aabb, closest_on_triangle};
 use nalgebra::Vector3;
@@ -110,6 +112,16 @@ impl std::fmt::Display for FillError {
 
 impl std::error::Error for FillError {}
 
+impl From<winding::Overlap> for FillError {
+    fn from(overlap: winding::Overlap) -> Self {
+        Self::Overlap {
+            winding: overlap.winding,
+            triangle: overlap.triangle,
+            point: overlap.point.into(),
+        }
+    }
+}
+
 /// Fills the closed `surface` with tetrahedra of about `cell_size` \[m\], the edge of a cubic cell and the longest edge of
 /// an inner element; a cell holds twelve. All in region 0. A surface that faces inward as a whole is taken as turned.
 ///
@@ -128,22 +140,9 @@ impl std::error::Error for FillError {}
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn fill(surface: &TriangleSurface, cell_size: f64) -> Result<TetMesh, FillError> {
-    let mut errors = surface.defects();
-    errors.retain(|defect| defect.severity() == Severity::Error);
-    if !errors.is_empty() {
-        return Err(FillError::Surface(errors));
-    }
-    let mut surface = surface.clone();
-    if surface.volume() < 0.0 {
-        surface.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
-
+    let surface = outward(surface)?;
     let lattice = lattice_around(&surface, cell_size)?;
-    let inside = winding::inside(&surface, &lattice).map_err(|overlap| FillError::Overlap {
-        winding: overlap.winding,
-        triangle: overlap.triangle,
-        point: overlap.point.into(),
-    })?;
+    let inside = winding::inside(&surface, &lattice)?;
     let boxes: Vec<Aabb> = (0..surface.triangles.len())
         .map(|triangle| Aabb::of(&surface.corners(triangle)))
         .collect();
@@ -161,6 +160,20 @@ pub fn fill(surface: &TriangleSurface, cell_size: f64) -> Result<TetMesh, FillEr
         });
     }
     Ok(mesh)
+}
+
+/// A copy of `surface` that faces outward, if it bounds a body.
+fn outward(surface: &TriangleSurface) -> Result<TriangleSurface, FillError> {
+    let mut errors = surface.defects();
+    errors.retain(|defect| defect.severity() == Severity::Error);
+    if !errors.is_empty() {
+        return Err(FillError::Surface(errors));
+    }
+    let mut surface = surface.clone();
+    if surface.volume() < 0.0 {
+        surface.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    Ok(surface)
 }
 
 /// The lattice over the used vertices, one cell wider on each side.

@@ -1,5 +1,6 @@
-//! Quality of elements, for tests of generated meshes: radius ratio, dihedral angles, edge ratio.
+//! Quality of elements: radius ratio, dihedral angles, edge ratio.
 
+#[cfg(test)]
 use crate::TetMesh;
 use crate::tet_mesh::EDGES;
 use microsim_geometry::signed_volume;
@@ -8,21 +9,21 @@ use std::f64::consts::PI;
 
 /// Quality of one tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ElementQuality {
+pub struct ElementQuality {
     /// Three times the radius of the inscribed sphere over that of the circumscribed one: 1 for the regular
     /// tetrahedron, 0 for a flat one; below 0 when the element is inverted.
-    pub(crate) radius_ratio: f64,
+    pub radius_ratio: f64,
     /// Smallest of the six angles between the faces, inside \[rad\]; arccos(1/3) for the regular tetrahedron.
-    pub(crate) dihedral_min: f64,
+    pub dihedral_min: f64,
     /// Largest of the six angles between the faces, inside \[rad\].
-    pub(crate) dihedral_max: f64,
+    pub dihedral_max: f64,
     /// Longest edge over shortest; 1 for the regular tetrahedron.
-    pub(crate) edge_ratio: f64,
+    pub edge_ratio: f64,
 }
 
 impl ElementQuality {
     /// The quality of the tetrahedron with `corners` \[m\]. The angles do not depend on its orientation.
-    pub(crate) fn of(corners: &[Vector3<f64>; 4]) -> Self {
+    pub fn of(corners: &[Vector3<f64>; 4]) -> Self {
         let [a, b, c, d] = corners;
         let (mut shortest, mut longest) = (f64::INFINITY, 0.0f64);
         let (mut dihedral_min, mut dihedral_max) = (PI, 0.0f64);
@@ -68,6 +69,7 @@ impl ElementQuality {
 }
 
 /// The smallest radius ratio, and the smallest and largest dihedral angle \[rad\] of all elements of a mesh.
+#[cfg(test)]
 pub(crate) fn extremes(mesh: &TetMesh) -> [f64; 3] {
     let elements = 0..mesh.tets.len();
     elements.fold(

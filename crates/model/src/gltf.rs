@@ -6,7 +6,7 @@ mod scene;
 
 use crate::error::{Flaw, ModelError, flawed};
 use crate::mesh::Model;
-use crate::texture::{Texture, read_texture};
+use crate::texture::{Texture, Wrap, read_texture};
 use bytes::{Source, container, source};
 use document::{Document, MimeType};
 
@@ -85,5 +85,29 @@ fn texture<'a>(
             );
         }
     };
-    within.map_err(|error| ModelError::new(error.flaw, format!("a texture: {error}")))
+    let read =
+        within.map_err(|error| ModelError::new(error.flaw, format!("a texture: {error}")))?;
+    let wrap = match texture.sampler {
+        None => [Wrap::Repeat; 2],
+        Some(sampler) => {
+            let sampler = document.sampler(sampler)?;
+            [wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?]
+        }
+    };
+    Ok(Texture { wrap, ..read })
+}
+
+/// A wrap mode of a sampler (glTF 2.0, 5.26).
+fn wrap(mode: Option<u32>) -> Result<Wrap, ModelError> {
+    match mode {
+        None | Some(10_497) => Ok(Wrap::Repeat),
+        Some(33_648) => Ok(Wrap::Mirrored),
+        Some(33_071) => Ok(Wrap::Clamp),
+        Some(mode) => flawed(
+            Flaw::Broken,
+            format!(
+                "a sampler of wrap mode {mode}; expected 10497 (repeat), 33648 (mirrored) or 33071 (clamp)"
+            ),
+        ),
+    }
 }

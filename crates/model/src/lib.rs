@@ -5,7 +5,8 @@
 //!
 //! # What is read of each form
 //! - **glTF**: scene, nodes with matrices or translation, rotation and scale, triangles as lists, strips and fans with positions, normals and the first
-//!   texture coordinates, base colours and their textures. Embedded data, and files beside it by their plain names.
+//!   texture coordinates, base colours and their textures with the wrap modes of their samplers (not the filters: textures are always smoothed), surfaces that
+//!   are opaque or cut out (`alphaMode` `OPAQUE` and `MASK`). Embedded data, and files beside it by their plain names.
 //! - **OBJ**: `v`, `vn`, `vt`, `f` with any number of corners; each `o` is a node. Groups, smoothing and materials (`mtllib`, `usemtl`) are left out: colour and
 //!   texture of an object come from its level.
 //! - **STL**: the triangles; its normals are left out, as many programs write wrong ones.
@@ -15,7 +16,7 @@
 //! # What is refused
 //! Everything that is not as its form demands, with the kind of flaw ([`Flaw`]) and a sentence: truncated files, numbers that are not finite, indices that lead
 //! nowhere, more than [`MAX_BYTES`], [`MAX_CORNERS`], [`MAX_NODES`] or [`MAX_TEXTURE`], unknown forms, files outside of the folder, extensions that a file requires,
-//! skins and morphs, sparse data, pictures in other forms than PNG. No bytes make it panic, or take more memory than a multiple of their length.
+//! skins and morphs, translucent surfaces (`alphaMode` `BLEND`), sparse data, pictures in other forms than PNG. No bytes make it panic, or take more memory than a multiple of their length.
 //!
 //! # Rationale
 //! The crates `gltf` 1.4, `tobj` and `stl_io` were weighed: they leave ranges, cycles and sizes to the caller, who has to look at all of it again, and each format
@@ -34,8 +35,8 @@ mod texture;
 
 pub use affine::Affine;
 pub use error::{Flaw, ModelError};
-pub use mesh::{CREASE, MAX_BYTES, MAX_CORNERS, MAX_NODES, Model, Node, Part};
-pub use texture::{MAX_TEXTURE, Texture, read_texture};
+pub use mesh::{CREASE, MAX_BYTES, MAX_CORNERS, MAX_NODES, Mask, Model, Node, Part};
+pub use texture::{MAX_TEXTURE, Texture, Wrap, read_texture};
 
 use error::flawed;
 

@@ -39,6 +39,15 @@ pub struct Node {
     pub place: Affine,
 }
 
+/// Which part of a surface is there: where the opacity of its texture, times a factor, is at least the cutoff.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mask {
+    /// 0 or more.
+    pub cutoff: f32,
+    /// From 0 to 1.
+    pub factor: f32,
+}
+
 /// Triangles of one colour.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Part {
@@ -56,6 +65,8 @@ pub struct Part {
     pub colour: Option<[f32; 3]>,
     /// Place in [`Model::textures`].
     pub texture: Option<usize>,
+    /// What of it is there; all of it if this is not stated. Only with a texture.
+    pub mask: Option<Mask>,
 }
 
 impl Model {
@@ -144,6 +155,7 @@ impl Part {
             node: old.node,
             colour: old.colour,
             texture: old.texture,
+            mask: old.mask,
             ..Self::default()
         };
         for (face, triangle) in old.triangles.iter().enumerate() {

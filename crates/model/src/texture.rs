@@ -7,6 +7,18 @@ use std::io::Cursor;
 /// Most pixels of a side of a texture.
 pub const MAX_TEXTURE: u32 = 4096;
 
+/// What is shown where texture coordinates leave 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Wrap {
+    /// The picture again.
+    #[default]
+    Repeat,
+    /// The picture again, every other time mirrored.
+    Mirrored,
+    /// Its edge.
+    Clamp,
+}
+
 /// A picture for a surface.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Texture {
@@ -16,6 +28,8 @@ pub struct Texture {
     pub height: u32,
     /// Red, green, blue, opacity of each pixel, sRGB, by rows from the upper left corner.
     pub pixels: Vec<u8>,
+    /// Beyond its left and right sides, and beyond the upper and lower ones.
+    pub wrap: [Wrap; 2],
 }
 
 impl std::fmt::Debug for Texture {
@@ -70,6 +84,7 @@ pub fn read_texture(bytes: &[u8]) -> Result<Texture, ModelError> {
             width,
             height,
             pixels,
+            wrap: [Wrap::Repeat; 2],
         }),
         false => flawed(Flaw::Truncated, "fewer pixels than its size"),
     }

@@ -5,6 +5,8 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use crate::family::Family;
 use crate::light::linear_from_srgb;
 use crate::picture::{Item, Pattern, View};
+use crate::shape::Shape;
+use microsim_model::Mask;
 use microsim_vocabulary::Finish;
 
 /// One drawing of some triangles, as the vertex shader reads it.
@@ -15,7 +17,7 @@ pub(crate) struct Instance {
     pub rows: [[f32; 4]; 3],
     /// Linear light and opacity.
     pub colour: [f32; 4],
-    /// First: 1 of a cloth.
+    /// First: 1 of a cloth. Then, of a surface that is cut out by its texture, the opacity below which it is not there, and what that of the texture is multiplied by.
     pub pattern: [f32; 4],
 }
 
@@ -29,8 +31,9 @@ impl Instance {
             Pattern::Plain => 0.0,
             Pattern::Cloth => 1.0,
         };
+        let [cutoff, factor] = mask_of(item).map_or([0.0; 2], |mask| [mask.cutoff, mask.factor]);
         Self {
-            pattern: [cloth, 0.0, 0.0, 0.0],
+            pattern: [cloth, cutoff, factor, 0.0],
             ..Self::new(turn, item.position, item.colour, item.opacity, view)
         }
     }
@@ -104,7 +107,19 @@ pub(crate) struct Draw {
     pub casts: bool,
     /// Wound anticlockwise as seen from outside and without an edge, so that no inner side is ever seen.
     pub closed: bool,
+    /// Of the texture that its colour is multiplied by.
+    pub texture: Option<u64>,
+    /// Not there where its texture is translucent.
+    pub is_masked: bool,
     pub instance: Instance,
+}
+
+/// What of an item is there; `None` if all of it is.
+pub(crate) fn mask_of(item: &Item) -> Option<Mask> {
+    match &item.shape {
+        Shape::Model(model) => model.mask(),
+        _ => None,
+    }
 }
 
 /// Family of a finish.
@@ -132,7 +147,6 @@ pub(crate) fn sort(draws: &mut [Draw]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::Shape;
     use crate::testing::VIEW;
 
     fn ball(height: f64) -> Item {
@@ -161,6 +175,8 @@ mod tests {
             solid,
             casts: solid,
             closed,
+            texture: None,
+            is_masked: false,
             instance: Instance::of_item(&ball(height), &VIEW),
         };
         let mut draws = [

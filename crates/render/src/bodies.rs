@@ -93,6 +93,7 @@ impl Body {
                 .map(|(rest, layer)| Detail {
                     rest,
                     layer: f32::from(*layer),
+                    ..Detail::default()
                 })
                 .collect();
             let indices = self.display.triangles().as_flattened();

@@ -1,11 +1,12 @@
 //! The passes of one picture.
 
 use crate::batch::{Draw, Source};
-use crate::pipelines::Pipelines;
+use crate::pipelines::{CutDepth, Pipelines};
 use crate::quality::Quality;
 use crate::stereo::{Stereo, StereoLayout};
 use crate::store::Triangles;
 use crate::targets::{Eye, Targets};
+use crate::textures::Textures;
 
 /// What a picture is drawn with.
 pub(crate) struct Frame<'a> {
@@ -13,6 +14,7 @@ pub(crate) struct Frame<'a> {
     pub instances: &'a wgpu::Buffer,
     pub pipelines: &'a Pipelines,
     pub targets: &'a Targets,
+    pub textures: &'a Textures,
     pub shadow: &'a wgpu::TextureView,
     pub quality: Quality,
     pub layout: Stereo,
@@ -37,9 +39,16 @@ pub(crate) fn encode<'a>(
     };
     {
         let mut pass = depth_pass(encoder, "shadow", frame.shadow);
-        pass.set_pipeline(&frame.pipelines.shadow);
         pass.set_bind_group(0, scenes[0], &[]);
         for (index, draw) in solid().filter(|(_, draw)| draw.casts) {
+            let pipelines = frame.pipelines;
+            match frame.cut(draw) {
+                Some((texture, cut)) => {
+                    pass.set_pipeline(&cut.shadow);
+                    pass.set_bind_group(2, texture, &[]);
+                }
+                None => pass.set_pipeline(&pipelines.shadow),
+            }
             frame.draw(&mut pass, index, draw, find);
         }
     }
@@ -47,9 +56,15 @@ pub(crate) fn encode<'a>(
         if frame.quality.has_openness() {
             {
                 let mut pass = depth_pass(encoder, "depth", &eye.half_depth);
-                pass.set_pipeline(&frame.pipelines.depth);
                 pass.set_bind_group(0, *scene, &[]);
                 for (index, draw) in solid() {
+                    match frame.cut(draw) {
+                        Some((texture, cut)) => {
+                            pass.set_pipeline(&cut.depth);
+                            pass.set_bind_group(2, texture, &[]);
+                        }
+                        None => pass.set_pipeline(&frame.pipelines.depth),
+                    }
                     frame.draw(&mut pass, index, draw, find);
                 }
             }
@@ -115,16 +130,30 @@ fn field<'a>(
     pass.draw(0..3, 0..1);
     pass.set_bind_group(1, &eye.light_group, &[]);
     for (index, draw) in frame.draws.iter().enumerate() {
-        pass.set_pipeline(
-            frame
-                .pipelines
-                .surface(draw.family, draw.solid, draw.closed),
-        );
+        let pipelines = frame.pipelines;
+        let texture = draw.texture.and_then(|id| frame.textures.group(id));
+        let surface = match draw.is_masked {
+            true => pipelines.masked(draw.family, draw.solid),
+            false => pipelines.textured(draw.family, draw.solid),
+        };
+        match texture.zip(surface) {
+            Some((texture, pipeline)) => {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(2, texture, &[]);
+            }
+            None => pass.set_pipeline(pipelines.surface(draw.family, draw.solid, draw.closed)),
+        }
         frame.draw(&mut pass, index, draw, find);
     }
 }
 
 impl<'a> Frame<'a> {
+    /// What draws the depth of a surface that is cut out by its texture, and this texture.
+    fn cut(&self, draw: &Draw) -> Option<(&'a wgpu::BindGroup, &'a CutDepth)> {
+        let id = draw.texture.filter(|_| draw.is_masked)?;
+        self.textures.group(id).zip(self.pipelines.cut_depth())
+    }
+
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, index: usize, draw: &Draw, find: &Find<'a>) {
         let Some(triangles) = find(draw.source).filter(|triangles| triangles.count > 0) else {
             return;

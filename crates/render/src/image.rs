@@ -52,6 +52,13 @@ impl Image {
         [self.rgba8[at], self.rgba8[at + 1], self.rgba8[at + 2]]
     }
 
+    /// The channels of a pixel, to change them; `None` outside the picture.
+    pub(crate) fn pixel_mut(&mut self, x: u32, y: u32) -> Option<&mut [u8]> {
+        let is_inside = x < self.width && y < self.height;
+        let at = 4 * (y as usize * self.width as usize + x as usize);
+        is_inside.then(|| &mut self.rgba8[at..at + 3])
+    }
+
     /// The picture as a PNG file in memory (8 bits a channel, sRGB, no alpha: it is opaque everywhere).
     pub fn to_png(&self) -> Vec<u8> {
         let rgb: Vec<u8> = self

@@ -9,6 +9,8 @@ pub(crate) struct Layouts {
     pub depth: wgpu::BindGroupLayout,
     /// Openness before it is smoothed.
     pub raw: wgpu::BindGroupLayout,
+    /// Base colour of a model.
+    pub texture: wgpu::BindGroupLayout,
     /// Pictures of the eyes, and depth.
     pub post: wgpu::BindGroupLayout,
 }
@@ -62,6 +64,7 @@ impl Layouts {
             ),
             depth: layout("depth", &[(0, fragment, depth)]),
             raw: layout("raw", &[(1, fragment, colour), (2, fragment, filter)]),
+            texture: layout("texture", &[(0, fragment, colour), (1, fragment, filter)]),
             post: layout(
                 "post",
                 &[

@@ -6,7 +6,7 @@
 //!
 //! What is drawn: surfaces lit by the microscope's coaxial light and one oblique key light whose shadows make height readable
 //! (see [`key_light_direction`]), matte, moist, metal, or layers of tissue; instruments as models ([`instruments`]); the round field, black outside; for one eye or for two
-//! ([`Stereo`]). [`Quality`] decides how much is done for it. Not here: windows, text, model and texture files. Drawing reads the picture and changes nothing else, so nothing of a
+//! ([`Stereo`]). [`Quality`] decides how much is done for it. Not here: windows, text but for the caption of a finished picture, model and texture files. Drawing reads the picture and changes nothing else, so nothing of a
 //! simulation can depend on it.
 //!
 //! Light: a matte surface shows its colour where all lamps reach it. What shines (moist, metal, tissue) has no upper limit; its brightness above 0.65 is compressed towards 1
@@ -22,6 +22,7 @@
 
 mod batch;
 mod bodies;
+mod caption;
 pub mod debug;
 mod display;
 mod error;
@@ -47,6 +48,7 @@ mod targets;
 mod tessellate;
 #[cfg(test)]
 mod testing;
+mod textures;
 mod tissue;
 mod uniforms;
 mod upload;

@@ -20,6 +20,8 @@ pub(crate) struct Detail {
     pub rest: [f32; 3],
     /// Of a body the number of its layer, else 0.
     pub layer: f32,
+    /// Of a model with a texture: to the right and down in its picture, each side 1 long.
+    pub coordinates: [f32; 2],
 }
 
 /// Triangles of one item.
@@ -40,7 +42,7 @@ impl Mesh {
         });
         self.details.push(Detail {
             rest: point.map(|part| (1e3 * part) as f32).into(),
-            layer: 0.0,
+            ..Detail::default()
         });
         index
     }

@@ -7,6 +7,19 @@ use crate::mesh::{Detail, Vertex};
 use crate::quality::Quality;
 use crate::targets::{COLOUR, DEPTH, OPENNESS};
 
+/// Pipelines of surfaces that are not there where their texture is translucent.
+struct Masked {
+    depth: CutDepth,
+    /// By family, by whether it is solid.
+    surface: Vec<[wgpu::RenderPipeline; 2]>,
+}
+
+/// Depth of such surfaces.
+pub(crate) struct CutDepth {
+    pub shadow: wgpu::RenderPipeline,
+    pub depth: wgpu::RenderPipeline,
+}
+
 /// All pipelines of one quality.
 pub(crate) struct Pipelines {
     pub shadow: wgpu::RenderPipeline,
@@ -17,19 +30,17 @@ pub(crate) struct Pipelines {
     pub focus: wgpu::RenderPipeline,
     /// By family, by whether it is solid, by whether it is closed.
     surface: Vec<[[wgpu::RenderPipeline; 2]; 2]>,
+    /// The same with a texture, of which both sides are seen; none before the first one is drawn.
+    textured: Vec<[wgpu::RenderPipeline; 2]>,
+    /// The same of surfaces that their texture cuts out; none before the first one is drawn.
+    masked: Option<Masked>,
     /// By the layout's number less one.
     pub compose: Vec<wgpu::RenderPipeline>,
 }
 
 impl Pipelines {
     pub fn new(device: &wgpu::Device, layouts: &Layouts, quality: Quality) -> Self {
-        let module = |source: &'static str, label| {
-            let source = format!("{}\n{source}", include_str!("scene.wgsl"));
-            device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
-            })
-        };
+        let module = |source, label| module(device, source, label);
         let surfaces = module(include_str!("surface.wgsl"), "surface");
         let openness = module(include_str!("openness.wgsl"), "openness");
         let post = module(include_str!("post.wgsl"), "post");
@@ -39,8 +50,8 @@ impl Pipelines {
             quality,
         };
         Self {
-            shadow: maker.shadow(&surfaces),
-            depth: maker.depth(&surfaces),
+            shadow: maker.shadow(&surfaces, false),
+            depth: maker.depth(&surfaces, false),
             openness: maker.whole(
                 &openness,
                 "openness_fragment",
@@ -54,10 +65,14 @@ impl Pipelines {
             surface: Family::ALL
                 .map(|family| {
                     [false, true].map(|solid| {
-                        [false, true].map(|closed| maker.surface(&surfaces, family, solid, closed))
+                        [false, true].map(|closed| {
+                            maker.surface(&surfaces, family, solid, closed, "surface_fragment")
+                        })
                     })
                 })
                 .into(),
+            textured: Vec::new(),
+            masked: None,
             compose: (1..=4)
                 .map(|number| {
                     let constants = [("LAYOUT", f64::from(number))];
@@ -71,6 +86,70 @@ impl Pipelines {
     pub fn surface(&self, family: Family, solid: bool, closed: bool) -> &wgpu::RenderPipeline {
         &self.surface[family as usize][usize::from(solid)][usize::from(closed)]
     }
+
+    /// That of a family with a texture.
+    pub fn textured(&self, family: Family, solid: bool) -> Option<&wgpu::RenderPipeline> {
+        let of_family = self.textured.get(family as usize)?;
+        Some(&of_family[usize::from(solid)])
+    }
+
+    /// Makes those with textures if there are none yet.
+    pub fn prepare_textured(&mut self, device: &wgpu::Device, layouts: &Layouts, quality: Quality) {
+        if !self.textured.is_empty() {
+            return;
+        }
+        let surfaces = module(device, include_str!("surface.wgsl"), "textured surface");
+        let maker = Maker {
+            device,
+            layouts,
+            quality,
+        };
+        self.textured = maker.textured(&surfaces, "textured_fragment");
+    }
+
+    /// That of a family whose texture cuts it out.
+    pub fn masked(&self, family: Family, solid: bool) -> Option<&wgpu::RenderPipeline> {
+        let of_family = self.masked.as_ref()?.surface.get(family as usize)?;
+        Some(&of_family[usize::from(solid)])
+    }
+
+    /// Those of the depth of surfaces that are cut out.
+    pub fn cut_depth(&self) -> Option<&CutDepth> {
+        self.masked.as_ref().map(|masked| &masked.depth)
+    }
+
+    /// Makes those of surfaces that are cut out if there are none yet.
+    pub fn prepare_masked(&mut self, device: &wgpu::Device, layouts: &Layouts, quality: Quality) {
+        if self.masked.is_some() {
+            return;
+        }
+        let surfaces = module(
+            device,
+            include_str!("surface.wgsl"),
+            "surface that is cut out",
+        );
+        let maker = Maker {
+            device,
+            layouts,
+            quality,
+        };
+        self.masked = Some(Masked {
+            depth: CutDepth {
+                shadow: maker.shadow(&surfaces, true),
+                depth: maker.depth(&surfaces, true),
+            },
+            surface: maker.textured(&surfaces, "masked_fragment"),
+        });
+    }
+}
+
+/// A shader after what all shaders have.
+fn module(device: &wgpu::Device, source: &str, label: &str) -> wgpu::ShaderModule {
+    let source = format!("{}\n{source}", include_str!("scene.wgsl"));
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    })
 }
 
 /// What all pipelines are made from.
@@ -81,10 +160,34 @@ struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Depth of the solid surfaces as the key light sees them.
-    fn shadow(&self, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
+    /// Surfaces with textures, by family and by whether they are solid.
+    fn textured(
+        &self,
+        module: &wgpu::ShaderModule,
+        fragment: &str,
+    ) -> Vec<[wgpu::RenderPipeline; 2]> {
+        let of = |family, solid| self.surface(module, family, solid, false, fragment);
+        let families = Family::ALL.iter();
+        families
+            .map(|family| [false, true].map(|solid| of(*family, solid)))
+            .collect()
+    }
+
+    /// What passes over depth alone read: the scene, and textures that cut surfaces out.
+    fn of_depth(&self) -> [Option<&wgpu::BindGroupLayout>; 3] {
+        [Some(&self.layouts.scene), None, Some(&self.layouts.texture)]
+    }
+
+    /// Depth of the solid surfaces as the key light sees them; `cut`: of those that their texture cuts out.
+    fn shadow(&self, module: &wgpu::ShaderModule, cut: bool) -> wgpu::RenderPipeline {
+        let groups = self.of_depth();
+        let (groups, vertex) = match cut {
+            true => (&groups[..], "cut_shadow_vertex"),
+            false => (&groups[..1], "shadow_vertex"),
+        };
         self.pipeline(&Stages {
             label: "shadow",
+            discards: cut.then_some("cut_fragment"),
             depth: Some(wgpu::DepthStencilState {
                 // Holds a slope from shadowing itself: two texels' worth of its own depth.
                 bias: wgpu::DepthBiasState {
@@ -94,16 +197,22 @@ impl Maker<'_> {
                 },
                 ..depth_state(true, wgpu::CompareFunction::Less)
             }),
-            ..Stages::new(module, &[Some(&self.layouts.scene)], "shadow_vertex")
+            ..Stages::new(module, groups, vertex)
         })
     }
 
     /// Depth of the solid surfaces as the eye sees them.
-    fn depth(&self, module: &wgpu::ShaderModule) -> wgpu::RenderPipeline {
+    fn depth(&self, module: &wgpu::ShaderModule, cut: bool) -> wgpu::RenderPipeline {
+        let groups = self.of_depth();
+        let (groups, vertex) = match cut {
+            true => (&groups[..], "cut_depth_vertex"),
+            false => (&groups[..1], "depth_vertex"),
+        };
         self.pipeline(&Stages {
             label: "depth",
+            discards: cut.then_some("cut_fragment"),
             depth: Some(depth_state(true, wgpu::CompareFunction::Less)),
-            ..Stages::new(module, &[Some(&self.layouts.scene)], "depth_vertex")
+            ..Stages::new(module, groups, vertex)
         })
     }
 
@@ -147,23 +256,30 @@ impl Maker<'_> {
         family: Family,
         solid: bool,
         closed: bool,
+        fragment: &str,
     ) -> wgpu::RenderPipeline {
+        let layouts = self.layouts;
+        let groups = [
+            Some(&layouts.scene),
+            Some(&layouts.light),
+            Some(&layouts.texture),
+        ];
+        let groups = match fragment {
+            "surface_fragment" => &groups[..2],
+            _ => &groups[..],
+        };
         self.pipeline(&Stages {
             label: "surface",
             cull: closed.then_some(wgpu::Face::Back),
             depth: Some(depth_state(solid, wgpu::CompareFunction::Less)),
             samples: self.quality.samples(),
             fragment: Some((
-                "surface_fragment",
+                fragment,
                 COLOUR,
                 (!solid).then_some(wgpu::BlendState::ALPHA_BLENDING),
             )),
             constants: &[("FAMILY", f64::from(family as u8))],
-            ..Stages::new(
-                module,
-                &[Some(&self.layouts.scene), Some(&self.layouts.light)],
-                "surface_vertex",
-            )
+            ..Stages::new(module, groups, "surface_vertex")
         })
     }
 
@@ -188,8 +304,9 @@ impl Maker<'_> {
                 write_mask: wgpu::ColorWrites::ALL,
             })]
         });
+        let entry = stages.fragment.map(|(entry, ..)| entry).or(stages.discards);
         let vertex = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-        let detail = wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32];
+        let detail = wgpu::vertex_attr_array![2 => Float32x3, 3 => Float32, 9 => Float32x2];
         let instance = wgpu::vertex_attr_array![
             4 => Float32x4, 5 => Float32x4, 6 => Float32x4, 7 => Float32x4, 8 => Float32x4
         ];
@@ -236,15 +353,12 @@ impl Maker<'_> {
                     count: stages.samples,
                     ..Default::default()
                 },
-                fragment: stages
-                    .fragment
-                    .zip(target.as_ref())
-                    .map(|((entry, _, _), targets)| wgpu::FragmentState {
-                        module: stages.module,
-                        entry_point: Some(entry),
-                        compilation_options: options(),
-                        targets,
-                    }),
+                fragment: entry.map(|entry| wgpu::FragmentState {
+                    module: stages.module,
+                    entry_point: Some(entry),
+                    compilation_options: options(),
+                    targets: target.as_ref().map_or(&[][..], |target| &target[..]),
+                }),
                 multiview_mask: None,
                 cache: None,
             })
@@ -263,6 +377,8 @@ struct Stages<'a> {
     samples: u32,
     /// Entry point, format and blending; none draws depth only.
     fragment: Option<(&'a str, wgpu::TextureFormat, Option<wgpu::BlendState>)>,
+    /// Entry point that discards what is not there, where depth only is drawn.
+    discards: Option<&'a str>,
     /// Of the shader, besides the quality.
     constants: &'a [(&'a str, f64)],
 }
@@ -283,6 +399,7 @@ impl<'a> Stages<'a> {
             depth: None,
             samples: 1,
             fragment: None,
+            discards: None,
             constants: &[],
         }
     }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::batch::{Draw, Instance, Source, family_of, sort};
+use crate::batch::{Draw, Instance, Source, family_of, mask_of, sort};
 use crate::bodies::Bodies;
 use crate::error::RenderError;
 use crate::family::Family;
@@ -19,6 +19,7 @@ use crate::quality::Quality;
 use crate::shape::Shape;
 use crate::store::{Store, Triangles, loose};
 use crate::targets::{DEPTH, Form, Maps, Targets, texture};
+use crate::textures::Textures;
 use crate::uniforms::{SHADOW_SIDE, Scene};
 use crate::upload::Upload;
 
@@ -41,6 +42,7 @@ pub struct Renderer {
     filter: wgpu::Sampler,
     instances: Upload,
     store: Store,
+    textures: Textures,
     bodies: Bodies,
     /// Meshes that pictures bring themselves, by their number in the picture.
     loose: Vec<Triangles>,
@@ -231,11 +233,18 @@ impl Renderer {
         };
         let pipelines = self.pipelines[self.quality as usize]
             .get_or_insert_with(|| Pipelines::new(device, &self.layouts, self.quality));
+        if self.draws.iter().any(|draw| draw.texture.is_some()) {
+            pipelines.prepare_textured(device, &self.layouts, self.quality);
+        }
+        if self.draws.iter().any(|draw| draw.is_masked) {
+            pipelines.prepare_masked(device, &self.layouts, self.quality);
+        }
         let frame = Frame {
             draws: &self.draws,
             instances: self.instances.buffer(),
             pipelines,
             targets: &targets,
+            textures: &self.textures,
             shadow: &self.shadow,
             quality: self.quality,
             layout: picture.stereo,
@@ -262,6 +271,7 @@ impl Renderer {
         let view = &picture.view;
         let pixels = f64::from(width.min(height)) / view.field_diameter;
         self.store.begin();
+        self.textures.begin();
         self.bodies
             .update(device, queue, &picture.tissues, self.quality.steps());
         self.draws.clear();
@@ -280,12 +290,23 @@ impl Renderer {
                     (Source::Loose(meshes - 1), item.clone())
                 }
             };
+            let (closed, texture) = match &item.shape {
+                Shape::Mesh { .. } => (false, None),
+                Shape::Model(model) => (model.is_closed(), model.texture()),
+                _ => (true, None),
+            };
+            if let Some(texture) = texture {
+                let layout = &self.layouts.texture;
+                self.textures.place(device, queue, layout, texture);
+            }
             self.draws.push(Draw {
                 source,
                 family: family_of(item.finish),
                 solid: item.opacity >= 1.0,
                 casts: item.opacity >= 1.0 && item.pattern == Pattern::Plain,
-                closed: !matches!(item.shape, Shape::Mesh { .. }),
+                closed,
+                texture: texture.map(|texture| texture.id()),
+                is_masked: mask_of(&item).is_some(),
                 instance: Instance::of_item(&item, view),
             });
         }
@@ -296,6 +317,8 @@ impl Renderer {
             solid: true,
             casts: true,
             closed: true,
+            texture: None,
+            is_masked: false,
             instance: Instance::of_field(tissue.colour, view),
         }));
         sort(&mut self.draws);
@@ -353,6 +376,7 @@ impl Renderer {
             filter: sampler(None),
             instances: Upload::new(device, "instances", wgpu::BufferUsages::VERTEX, FIRST_BYTES),
             store: Store::default(),
+            textures: Textures::new(),
             bodies: Bodies::default(),
             loose: Vec::new(),
             draws: Vec::new(),

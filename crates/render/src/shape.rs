@@ -5,6 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::mesh::Mesh;
+use crate::textures::Texture;
+use microsim_model::Mask;
 
 /// The form of an item, in the item's own frame. Both sides of every surface are drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +48,7 @@ pub enum Shape {
         /// Of edges and corners \[m\]; what is more than the smallest half counts as that.
         radius: f64,
     },
-    /// Part of an instrument, made once.
+    /// Part of an instrument or of a model from a file, made once.
     Model(Arc<Model>),
     /// Closed cylinder, from the origin along +z.
     Cylinder {
@@ -92,14 +94,47 @@ pub enum Shape {
 pub struct Model {
     id: u64,
     mesh: Mesh,
+    /// Wound anticlockwise as seen from outside and without an edge.
+    closed: bool,
+    texture: Option<Texture>,
+    mask: Option<Mask>,
 }
 
 impl Model {
-    /// Takes triangles; each call makes another model.
+    /// Takes closed triangles; each call makes another model.
     pub(crate) fn new(mesh: Mesh) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
-        let id = NEXT.fetch_add(1, Ordering::Relaxed);
-        Self { id, mesh }
+        Self {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            mesh,
+            closed: true,
+            texture: None,
+            mask: None,
+        }
+    }
+
+    /// Takes triangles that may have edges, what is seen on them, and what of them is there by it.
+    pub(crate) fn of_file(mesh: Mesh, texture: Option<Texture>, mask: Option<Mask>) -> Self {
+        Self {
+            closed: false,
+            mask: mask.filter(|_| texture.is_some()),
+            texture,
+            ..Self::new(mesh)
+        }
+    }
+
+    /// Whether no inner side is ever seen.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// What of the triangles is there by the opacity of the texture; `None` if all of them are.
+    pub(crate) fn mask(&self) -> Option<Mask> {
+        self.mask
+    }
+
+    pub(crate) fn texture(&self) -> Option<&Texture> {
+        self.texture.as_ref()
     }
 
     /// What distinguishes it from others of the process.

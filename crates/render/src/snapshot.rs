@@ -288,6 +288,7 @@ radius = "0.5 mm"
             }],
             width: 64,
             height: 32,
+            caption: None,
         }
     }
 

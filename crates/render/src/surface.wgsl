@@ -20,8 +20,10 @@ struct Corner {
     @location(6) row_z: vec4f,
     // Linear light, opacity.
     @location(7) colour: vec4f,
-    // x: 1 of a cloth.
+    // x: 1 of a cloth. y, z: opacity below which a surface is not there, and what that of its texture is multiplied by.
     @location(8) pattern: vec4f,
+    // Of a texture, from its upper left corner.
+    @location(9) coordinates: vec2f,
 }
 
 fn placed(corner: Corner) -> vec3f {
@@ -130,6 +132,7 @@ struct Surface {
     // Place in the material [mm]; w: layer.
     @location(3) rest: vec4f,
     @location(4) pattern: vec4f,
+    @location(5) coordinates: vec2f,
 }
 
 @vertex
@@ -137,7 +140,7 @@ fn surface_vertex(corner: Corner) -> Surface {
     let position = placed(corner);
     let n = corner.normal;
     let normal = vec3f(dot(corner.row_x.xyz, n), dot(corner.row_y.xyz, n), dot(corner.row_z.xyz, n));
-    return Surface(projected(position), position, normal, corner.colour, vec4f(corner.rest, corner.layer), corner.pattern);
+    return Surface(projected(position), position, normal, corner.colour, vec4f(corner.rest, corner.layer), corner.pattern, corner.coordinates);
 }
 
 // Value noise, 0..1.
@@ -311,8 +314,58 @@ fn toned(light: vec3f) -> vec3f {
     return min(light, knee) + 0.35 * (1.0 - exp(-above / 0.35));
 }
 
+@group(2) @binding(0) var base_colour: texture_2d<f32>;
+@group(2) @binding(1) var base_sampler: sampler;
+
 @fragment
 fn surface_fragment(surface: Surface) -> @location(0) vec4f {
+    return shaded(surface, surface.colour.rgb);
+}
+
+@fragment
+fn textured_fragment(surface: Surface) -> @location(0) vec4f {
+    return shaded(surface, surface.colour.rgb * textureSample(base_colour, base_sampler, surface.coordinates).rgb);
+}
+
+// --- Surfaces that are not there where their texture is translucent ---------------------------------------------------
+
+struct Cut {
+    @builtin(position) pixel: vec4f,
+    @location(0) coordinates: vec2f,
+    @location(1) pattern: vec4f,
+}
+
+@vertex
+fn cut_shadow_vertex(corner: Corner) -> Cut {
+    return Cut(vec4f(light_clip(placed(corner)), 1.0), corner.coordinates, corner.pattern);
+}
+
+@vertex
+fn cut_depth_vertex(corner: Corner) -> Cut {
+    return Cut(projected(placed(corner)), corner.coordinates, corner.pattern);
+}
+
+fn is_there(opacity: f32, pattern: vec4f) -> bool {
+    return opacity * pattern.z >= pattern.y;
+}
+
+@fragment
+fn cut_fragment(cut: Cut) {
+    if !is_there(textureSample(base_colour, base_sampler, cut.coordinates).a, cut.pattern) {
+        discard;
+    }
+}
+
+@fragment
+fn masked_fragment(surface: Surface) -> @location(0) vec4f {
+    let texel = textureSample(base_colour, base_sampler, surface.coordinates);
+    if !is_there(texel.a, surface.pattern) {
+        discard;
+    }
+    return shaded(surface, surface.colour.rgb * texel.rgb);
+}
+
+fn shaded(surface: Surface, base: vec3f) -> vec4f {
     let to_eye = normalize(vec3f(scene.eye.x, 0.0, scene.lens.z) - surface.position);
     // Both sides of a surface are drawn: the normal is the one on the eye's side.
     var normal = normalize(surface.normal);
@@ -322,7 +375,7 @@ fn surface_fragment(surface: Surface) -> @location(0) vec4f {
     let to_light = scene.light_z.xyz;
     let smooth_normal = normal;
     let lamp = key_visibility(surface.position + normal * scene.eye.w, surface.pixel.xy);
-    var albedo = surface.colour.rgb;
+    var albedo = base;
     var open = 1.0;
     if QUALITY > 0u {
         let size = vec2f(textureDimensions(openness_map)) * 2.0;

@@ -2,6 +2,9 @@
 //!
 //! All scenes: field of 20 mm on 400 × 400 pixels, that is 20 pixels per millimetre in the plane of focus.
 
+mod common;
+
+use common::renderer;
 use microsim_gpu::Gpu;
 use microsim_render::{
     Finish, Image, Item, KEY_LIGHT_AZIMUTH, KEY_LIGHT_ZENITH, Picture, RenderError, Renderer,
@@ -15,16 +18,6 @@ const PIXELS: f64 = 20.0e3;
 const DISTANCE: f64 = 0.2;
 /// One texel of the shadow map \[pixels\]: 1024 of them cover 1.5 field radii to each side.
 const TEXEL: f64 = 3.0 * 200.0 / 1024.0;
-
-fn renderer() -> Option<Renderer> {
-    match Gpu::off_screen() {
-        Ok(gpu) => Some(Renderer::new(&gpu).expect("the driver opened, so it takes the shaders")),
-        Err(error) => {
-            println!("picture test skipped: {error}");
-            None
-        }
-    }
-}
 
 fn picture(items: Vec<Item>) -> Picture {
     let view = View {

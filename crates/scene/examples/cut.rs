@@ -47,10 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         irrigation: None,
         motion: Vec::new(),
     };
-    let cut = CutSpec {
-        body: "block".into(),
-        tool: "blade".into(),
-    };
+    let cut = CutSpec::new("block", "blade");
     let mut scene = Scene::new(&SceneSpec {
         tools: vec![blade],
         cuts: vec![cut],

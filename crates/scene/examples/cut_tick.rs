@@ -136,10 +136,7 @@ fn measure(cells: [usize; 3], touches: Touches) {
             }],
         }],
         contacts,
-        cuts: vec![CutSpec {
-            body: "block".into(),
-            tool: "blade".into(),
-        }],
+        cuts: vec![CutSpec::new("block", "blade")],
         gravity: [0.0; 3],
         containment: false,
         repeat_unconverged: false,

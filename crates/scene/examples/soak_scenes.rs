@@ -115,19 +115,26 @@ fn row(path: &Path, tally: &mut Tally) -> Result<String, String> {
         .partition(|verdict| scene.expect[verdict.expect].regression);
     let met = |of: &[&Verdict]| of.iter().filter(|verdict| verdict.met).count();
     let diverged = matches!(runner.end(), Some(End::Diverged(_)));
+    let is_to_diverge = scene.run.end == settings::End::Divergence;
     let gains_energy = runner.energy_growth().is_some();
     let missed = verdicts.iter().filter(|verdict| !verdict.met).count();
     tally.scenes += 1;
     tally.expected += expected.len();
     tally.regressions += regressions.len();
-    tally.missed += missed + usize::from((diverged || gains_energy) && missed == 0);
+    let wrong_end = match is_to_diverge {
+        true => !diverged,
+        false => diverged || gains_energy,
+    };
+    tally.missed += missed + usize::from(wrong_end && missed == 0);
     tally.stated += usize::from(scene.accuracy.is_some());
     if scene.accuracy.is_none() && scene.no_stated_error.is_none() {
         return Err(format!("{name}: neither `accuracy` nor `no_stated_error`"));
     }
-    let verdict = match (diverged, gains_energy, missed) {
-        (true, ..) => "DIVERGED",
-        (_, true, _) => "GAINS ENERGY",
+    let verdict = match (is_to_diverge, diverged, gains_energy, missed) {
+        (true, false, ..) => "STABLE",
+        (true, true, _, 0) => "diverges, as it is to",
+        (false, true, ..) => "DIVERGED",
+        (false, _, true, _) => "GAINS ENERGY",
         (.., 0) => "met",
         _ => "MISSED",
     };

@@ -59,6 +59,11 @@ impl Watch {
         }
     }
 
+    /// Jaws hold the body by forces whose work is not computed.
+    pub fn is_held(&mut self) {
+        self.driven = true;
+    }
+
     /// Adds what contact did in a step.
     pub fn add(&mut self, work: &Work, body: &Body) {
         self.work += work.work;

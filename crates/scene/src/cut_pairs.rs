@@ -5,6 +5,7 @@ use crate::jaws;
 use crate::lonor::Ability;
 use crate::pairs::{Pair, PairPartner};
 use crate::spec::{BodySpec, SceneSpec};
+use microsim_cutting::TopologyChange;
 use microsim_tissue::Method;
 
 /// A tool that cuts a body.
@@ -13,6 +14,7 @@ pub(crate) struct CutPair {
     pub body: usize,
     pub tool: usize,
     pub ability: Ability,
+    pub topology: TopologyChange,
 }
 
 /// Why a body cannot be cut with a method.
@@ -82,7 +84,9 @@ pub(crate) fn find_cuts(spec: &SceneSpec, pairs: &[Pair]) -> Result<Vec<CutPair>
                 of_body.toughness,
                 of_body.brittleness,
                 !pairs.iter().any(touch),
-            ),
+            )
+            .by(cut.trigger),
+            topology: cut.topology,
         });
     }
     Ok(cuts)

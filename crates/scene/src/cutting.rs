@@ -11,12 +11,13 @@ use crate::lonor::{BladeState, Case, EdgeLoads, Path};
 use crate::member::Member;
 use crate::report::{ContactPartner, ContactReport};
 use crate::scene::Scene;
+use crate::spec::CutTrigger;
 use crate::surface_edits::SurfaceDiff;
 use crate::tear::Shreds;
 use crate::tool::{Lonor, ToolMotion};
-use microsim_cutting::{self as cutting, Blade};
+use microsim_cutting::{self as cutting, Blade, Sweep, TopologyChange};
 use microsim_geometry::{
-    Aabb, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
+    Aabb, closest_on_segment, closest_segment_triangle, edge_through_triangle, point_in_tetrahedron,
 };
 use microsim_mesh::TopologyEdit;
 use microsim_tissue::State;
@@ -89,9 +90,14 @@ impl Scene {
                 body,
                 tool,
                 ability,
+                ..
             } = self.cuts[index].clone();
+            let mut sum = Sum::default();
             let Some(motion) = motions.iter().find(|motion| motion.tool == tool) else {
                 // A tool that is away is out of the tissue.
+                let lines = self.state.blades[index].lines();
+                self.conclude(index, body, &lines, start, &mut before, &mut sum);
+                reports.extend(sum.report(body, Some(tool), 0.0));
                 self.state.blades[index] = BladeState::default();
                 continue;
             };
@@ -109,11 +115,10 @@ impl Scene {
                 reach: &reaching,
             };
             let paths = self.state.blades[index].decide(&case);
-            let mut sum = Sum::default();
-            let start = before[body].get_or_insert_with(|| start[body].positions.clone());
-            let mut before_now = std::mem::take(start);
+            let at_start = before[body].get_or_insert_with(|| start[body].positions.clone());
+            let mut before_now = std::mem::take(at_start);
             for path in paths {
-                match self.sweep(index, body, &path, &mut before_now, valid) {
+                match self.sweep(index, body, &path, &mut before_now, tick, valid) {
                     Ok(Some(cut)) => sum.add(cut),
                     Ok(None) => {}
                     Err(why) => {
@@ -128,6 +133,8 @@ impl Scene {
                 }
             }
             before[body] = Some(before_now);
+            let leaving = self.state.blades[index].leaving.clone();
+            self.conclude(index, body, &leaving, start, &mut before, &mut sum);
             self.state.blades[index].leave();
             let force = contacts
                 .iter()
@@ -190,13 +197,14 @@ impl Scene {
         lines.iter().map(|line| line.capsule).collect()
     }
 
-    /// Moves a blade along its path through a body; `before` are the positions of its nodes before the tick, which may be `valid`.
+    /// Moves a blade along its path through a body; `before` are the positions of its nodes before the tick of so many seconds, which may be `valid`.
     fn sweep(
         &mut self,
         cut: usize,
         body: usize,
         path: &Path,
         before: &mut Vec<Vector3<f64>>,
+        tick: f64,
         valid: bool,
     ) -> Result<Option<(cutting::Cut, Vec<u32>)>, cutting::Rejected> {
         let Body { mesh, topology, .. } = &mut self.bodies[body];
@@ -210,7 +218,15 @@ impl Scene {
             now: &self.state.bodies[body].positions,
         };
         let points = stroke.points;
-        let made = topology.cut(mesh, stroke, &blade, &cutting::Settings::default())?;
+        let CutPair { ability, .. } = &self.cuts[cut];
+        if ability.trigger == CutTrigger::Penetration && path.closed.is_none() {
+            let crossed = topology.crossed(&blade)?;
+            if returns(&crossed, &path.sweeps, &self.state.bodies[body], tick) {
+                return Ok(None);
+            }
+        }
+        let settings = settings_of(&self.cuts[cut]);
+        let made = topology.cut(mesh, stroke, &blade, &settings)?;
         if !valid && stroke.points != cutting::PathPoints::default() {
             // Where the tissue was in such a tick means nothing.
             stroke.points = points;
@@ -222,6 +238,38 @@ impl Scene {
         self.update_strokes(body, Some((cut, path.line)), &made.edit);
         let pieces = self.apply_cut(body, &made);
         Ok(Some((made, pieces)))
+    }
+
+    /// Cuts what waits in strokes of these lines, which have left the tissue.
+    fn conclude(
+        &mut self,
+        cut: usize,
+        body: usize,
+        lines: &[u32],
+        start: &[State],
+        before: &mut [Option<Vec<Vector3<f64>>>],
+        sum: &mut Sum,
+    ) {
+        let settings = settings_of(&self.cuts[cut]);
+        if settings.change != TopologyChange::SemiProgressive {
+            return;
+        }
+        for &line in lines {
+            let Body { mesh, topology, .. } = &mut self.bodies[body];
+            let Some(topology) = topology else {
+                return;
+            };
+            let stroke = self.state.blades[cut].stroke(line);
+            let now = &self.state.bodies[body].positions;
+            let Some(made) = topology.conclude_stroke(mesh, stroke, now, &settings) else {
+                continue;
+            };
+            let before = before[body].get_or_insert_with(|| start[body].positions.clone());
+            made.edit.carry_nodes(before);
+            self.update_strokes(body, Some((cut, line)), &made.edit);
+            let pieces = self.apply_cut(body, &made);
+            sum.add((made, pieces));
+        }
     }
 
     /// Updates the other strokes in progress in a body after an edit that one of them (cut and line) has made, before the body is updated.
@@ -311,6 +359,40 @@ impl TornBodies {
         bodies
             .filter_map(|(body, sum)| sum.report(body, None, 0.0))
             .collect()
+    }
+}
+
+/// Whether tissue that has passed a line in a tick \[s\] moves back towards it at the end, on the mean over where edges, with a fraction each, crossed the line (dissertation
+/// 4.4.3, case 2: the velocities point to the line).
+fn returns(crossed: &[([u32; 2], f64)], sweeps: &[Sweep], now: &State, tick: f64) -> bool {
+    let away = |([a, b], fraction): &([u32; 2], f64)| {
+        let of =
+            |values: &[Vector3<f64>]| values[*a as usize].lerp(&values[*b as usize], *fraction);
+        let (place, velocity) = (of(&now.positions), of(&now.velocities));
+        let nearest = sweeps.iter().map(|sweep| {
+            let [from, to] = &sweep.now;
+            let point = closest_on_segment(&place, from, to).point;
+            let length = (to - from).norm_squared();
+            let along = if length > 0.0 {
+                (point - from).dot(&(to - from)) / length
+            } else {
+                0.0
+            };
+            let ends = [0, 1].map(|end| (sweep.now[end] - sweep.before[end]) / tick);
+            let of_line = ends[0].lerp(&ends[1], along);
+            (place - point, velocity - of_line)
+        });
+        let nearest = nearest.min_by(|one, other| one.0.norm().total_cmp(&other.0.norm()));
+        nearest.map_or(0.0, |(away, velocity)| away.dot(&velocity))
+    };
+    crossed.iter().map(away).sum::<f64>() < 0.0
+}
+
+/// How the mesh of a body is cut by a tool.
+fn settings_of(cut: &CutPair) -> cutting::Settings {
+    cutting::Settings {
+        change: cut.topology,
+        ..cutting::Settings::default()
     }
 }
 

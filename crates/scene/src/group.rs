@@ -3,14 +3,14 @@
 use crate::body::Body;
 use crate::divergence::Divergence;
 use crate::error::SceneError;
-use crate::group_contact::GroupContact;
+use crate::group_contact::{ContactState, GroupContact};
 use crate::irrigation::Irrigation;
 use crate::jet::Jet;
 use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
 use crate::stretch_guard::StretchGuard;
 use crate::surface_edits::SurfaceDiff;
-use microsim_contact::{BroadPhaseMethod, ObstaclePart};
+use microsim_contact::{BroadPhaseMethod, CapsuleMotion, ObstaclePart};
 use microsim_tissue::{
     Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
 };
@@ -367,6 +367,19 @@ impl Group {
     pub fn end_irrigation(&mut self, control: Control) {
         self.irrigation.pressed = control.pressed;
         self.irrigation.pressed.clear();
+    }
+
+    /// Adds the nodes that jaws bring along in a step.
+    pub fn hold(
+        &self,
+        tools: &[Option<Vec<CapsuleMotion>>],
+        state: &ContactState,
+        positions: &[Vector3<f64>],
+        control: &mut Control,
+    ) {
+        if let Some(contact) = &self.contact {
+            control.carried = contact.carried(&self.members, tools, state, positions);
+        }
     }
 
     /// The targets of gripped nodes at the end of the step that ends at `time` \[s\].

@@ -1,6 +1,7 @@
 //! From points of contact to contact constraints of a solver: friction, forces of the last step, how much of an old overlap is undone.
 
 use crate::body::Body;
+use crate::box_grip::BoxGrip;
 use crate::exemption::Exemption;
 use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
@@ -133,6 +134,8 @@ pub(crate) struct GroupContact {
     guesses: Vec<(Key, f64)>,
     /// Parts of tools that touch nothing, as they are in what they cut.
     pub exemptions: Vec<Exemption>,
+    /// Jaws that hold bodies by the box between them.
+    grips: Vec<BoxGrip>,
 }
 
 impl GroupContact {
@@ -151,6 +154,7 @@ impl GroupContact {
         let mut pair_of = BTreeMap::new();
         let mut tools = Vec::new();
         let mut end_to_end = Vec::new();
+        let mut grips = Vec::new();
         for (index, pair) in pairs.iter().enumerate() {
             let Some(own) = member_of(pair.body) else {
                 continue;
@@ -160,6 +164,14 @@ impl GroupContact {
                 PairPartner::Tool(tool) => {
                     let tool = *tool as u32;
                     tools.push(tool as usize);
+                    if !pair.grip.is_empty() {
+                        let couples = pair.grip.clone();
+                        grips.push(BoxGrip {
+                            body,
+                            tool,
+                            couples,
+                        });
+                    }
                     pair_of.insert((body, Partner::Tool { tool, capsule: 0 }), (index, true));
                     contact_pairs.push(ContactPair::Tool { body, tool });
                 }
@@ -244,6 +256,7 @@ impl GroupContact {
             contacts: Vec::new(),
             guesses: Vec::new(),
             exemptions: Vec::new(),
+            grips,
         })
     }
 
@@ -308,6 +321,34 @@ impl GroupContact {
     pub fn clear(&mut self) {
         self.points.clear();
         self.contacts.clear();
+    }
+
+    /// The nodes that jaws hold by the box between them, and where they bring these by the end of a step from `positions` \[m\].
+    pub fn carried(
+        &self,
+        members: &[Member],
+        tools: &[Option<Vec<CapsuleMotion>>],
+        state: &ContactState,
+        positions: &[Vector3<f64>],
+    ) -> Vec<(u32, Vector3<f64>)> {
+        let mut carried = Vec::new();
+        for grip in &self.grips {
+            let Some(motion) = &tools[grip.tool as usize] else {
+                continue;
+            };
+            let place = grip.body as usize;
+            let first = members[place].first_node;
+            let next = members.get(place + 1);
+            let end = next.map_or(positions.len(), |member| member.first_node);
+            grip.add(
+                &state.sides,
+                motion,
+                first,
+                &positions[first..end],
+                &mut carried,
+            );
+        }
+        carried
     }
 
     /// The pair that a point belongs to, and whether its first side is the pair's body.

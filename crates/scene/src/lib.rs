@@ -60,6 +60,7 @@
 #![forbid(unsafe_code)]
 
 mod body;
+mod box_grip;
 mod budget;
 mod check;
 mod containment;
@@ -136,8 +137,8 @@ pub use save::RestoreError;
 pub use scene::Scene;
 pub use spec::{
     BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingKind, CouplingSpec, CutSpec,
-    IrrigationSpec, Jaw, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec, ObstacleSpec,
-    PartnerSpec, SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
+    CutTrigger, Grip, IrrigationSpec, Jaw, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec,
+    ObstacleSpec, PartnerSpec, SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
 };
 pub use stress::{cauchy_stresses, green_strains, largest_stretches, von_mises};
 pub use stretch_guard::TOO_LONG;

@@ -11,11 +11,15 @@
 //!   ends of the part that is closed, not along the whole blade. A place is open again when the gap has grown to half as much more
 //!   (hysteresis).
 //!
+//! The dissertation's own rule is there as well ([`CutTrigger::Penetration`]): with penalties or forces of single nodes tissue does come into a capsule, and
+//! what passes its line is cut, of one jaw alone too (cases 1 and 2), unless it moves back towards the line (the rule of the velocities' sign).
+//!
 //! What is in a blade is not touched by it: contact with those parts of the capsules is left out, as long as they cut.
 
 use crate::exemption::Exemption;
 use crate::group_contact::GroupContact;
 use crate::jaws::{self, Jaws};
+use crate::spec::CutTrigger;
 use crate::tool::{Lonor, Tool, ToolMotion};
 use microsim_contact::{CapsuleMotion, Partner};
 use microsim_cutting::{Stroke, Sweep};
@@ -35,6 +39,8 @@ pub(crate) struct Ability {
     pub pinch: f64,
     /// Whether the two do not touch, so that lines go through.
     pub free: bool,
+    /// What cuts where the two touch.
+    pub trigger: CutTrigger,
 }
 
 impl Ability {
@@ -47,7 +53,13 @@ impl Ability {
             },
             pinch: sharpness.max(brittleness),
             free,
+            trigger: CutTrigger::Force,
         }
+    }
+
+    /// The same with another trigger.
+    pub fn by(self, trigger: CutTrigger) -> Self {
+        Self { trigger, ..self }
     }
 }
 
@@ -190,6 +202,13 @@ impl BladeState {
             return both().map(straight).collect();
         }
         let mut paths = Vec::new();
+        if case.ability.trigger == CutTrigger::Penetration {
+            paths.extend(both().map(straight));
+            if case.ability.pinch > 0.0 {
+                self.close(&lines, case.ability.pinch, &mut paths);
+            }
+            return paths;
+        }
         for (from, to) in both().filter(|(_, to)| to.edge.is_some()) {
             match self.inside.binary_search(&to.capsule) {
                 Ok(place) => {
@@ -260,6 +279,11 @@ impl BladeState {
             self.leaving.push(line);
         }
         self.closed = now;
+    }
+
+    /// The lines of all strokes in progress.
+    pub fn lines(&self) -> Vec<u32> {
+        self.strokes.iter().map(|(line, _)| *line).collect()
     }
 
     /// The stroke of a line, a new one where none is in progress.

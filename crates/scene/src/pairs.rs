@@ -1,8 +1,10 @@
 //! What touches what: obstacles and pairs, from their description.
 
+use crate::box_grip::{self, Couple};
 use crate::error::SceneError;
-use crate::spec::{ContactResponse, ObstacleSpec, PartnerSpec, SceneSpec};
+use crate::spec::{ContactResponse, Grip, ObstacleSpec, PartnerSpec, SceneSpec};
 use microsim_contact::{ObstaclePart, ObstacleShape};
+use microsim_tissue::Method;
 use std::ops::Range;
 
 /// Two that touch.
@@ -16,6 +18,8 @@ pub(crate) struct Pair {
     pub force_limit: f64,
     pub end_planes: bool,
     pub response: ContactResponse,
+    /// Lines of jaws between which the body is held; none where friction holds it.
+    pub grip: Vec<Couple>,
 }
 
 /// What a body touches, by indices.
@@ -162,6 +166,23 @@ pub(crate) fn find_pairs(
         if !stiff {
             return Err(wrong("the stiffness of a penalty is above 0 N/m"));
         }
+        let mut grip = Vec::new();
+        if contact.grip == Grip::Box {
+            let PairPartner::Tool(tool) = with else {
+                return Err(wrong("a box grip is that of a tool with two jaws"));
+            };
+            grip = box_grip::couples(&spec.tools[tool].capsules);
+            if grip.is_empty() {
+                return Err(wrong(
+                    "a box grip needs a line of no return in each of two jaws: there is no box between others",
+                ));
+            }
+            if !spec.method.is_explicit() || spec.method == Method::ExplicitEuler {
+                return Err(wrong(
+                    "a box grip is a force that brings nodes to where the jaws are by the end of a step: for explicit methods but explicit-euler",
+                ));
+            }
+        }
         pairs.push(Pair {
             body,
             with,
@@ -169,6 +190,7 @@ pub(crate) fn find_pairs(
             force_limit: contact.force_limit,
             end_planes,
             response: contact.response,
+            grip,
         });
     }
     Ok(pairs)

@@ -145,6 +145,8 @@ pub struct Runner {
     taken: u64,
     /// Speed of rest \[m/s\], if the scene ends at rest, and the time before which it does not \[s\].
     rest: Option<(f64, f64)>,
+    /// Whether the scene is to end with the divergence of a body.
+    is_to_diverge: bool,
     probes: Vec<Probe>,
     expect: Vec<settings::Expect>,
     series: Series,
@@ -217,6 +219,7 @@ impl Runner {
             samples: samples as u64,
             taken: 0,
             rest: run.rest_speed.map(|speed| (speed, last_event(settings))),
+            is_to_diverge: run.end == settings::End::Divergence,
             probes: probes.collect::<Result<_, _>>()?,
             expect: settings.expect.clone(),
             series: Series {
@@ -425,7 +428,8 @@ impl Runner {
 
     /// What came out of each expectation, as far as the run has come.
     pub fn verdicts(&self) -> Vec<Verdict> {
-        let rest_missed = self.rest.is_some() && self.end != Some(End::Rest);
+        let end_missed = (self.rest.is_some() && self.end != Some(End::Rest))
+            || (self.is_to_diverge && self.end == Some(End::Duration));
         let diverged = matches!(self.end, Some(End::Diverged(_)));
         let verdicts = self.expect.iter().enumerate().map(|(index, expect)| {
             let probe = self.probes.iter().position(|p| p.name == expect.probe);
@@ -436,8 +440,8 @@ impl Runner {
                 settings::Feature::FirstPeak | settings::Feature::FirstPeakTime
             );
             let found = values
-                // What was to come could still change all but a peak that had passed.
-                .filter(|_| is_peak || !diverged)
+                // What was to come could still change all but a peak that had passed; a run that is to diverge is at its end then.
+                .filter(|_| is_peak || !diverged || self.is_to_diverge)
                 .and_then(|v| feature::find(expect, &self.series.time, v));
             let scale = expect.scale.unwrap_or(expect.value.abs());
             let error = found.map(|found| (found - expect.value) / scale);
@@ -445,7 +449,7 @@ impl Runner {
                 expect: index,
                 found,
                 error,
-                met: error.is_some_and(|e| e.abs() <= expect.tolerance) && !(at_end && rest_missed),
+                met: error.is_some_and(|e| e.abs() <= expect.tolerance) && !(at_end && end_missed),
             }
         });
         verdicts.collect()

@@ -119,10 +119,9 @@ impl Scene {
             .iter()
             .for_each(|edit| edits::put_edit(&mut bytes, edit));
         put_u32(&mut bytes, self.state.blades.len() as u32);
-        self.state
-            .blades
-            .iter()
-            .for_each(|blade| edits::put_blade(&mut bytes, blade));
+        for (blade, cut) in self.state.blades.iter().zip(&self.cuts) {
+            edits::put_blade(&mut bytes, blade, cut.topology);
+        }
         put_u32(&mut bytes, self.state.bodies.len() as u32);
         let bodies = self.state.bodies.iter().zip(&self.state.stable_steps);
         for ((body, stable_step), of) in bodies.zip(&self.bodies) {
@@ -191,7 +190,8 @@ impl Scene {
         let edits = reader.list(edits::edit)?;
         let mut cut = self.cut_by(&edits)?;
         reader.expect(self.cuts.len())?;
-        let blades = self.cuts.iter().map(|_| edits::blade(&mut reader));
+        let cuts = self.cuts.iter();
+        let blades = cuts.map(|cut| edits::blade(&mut reader, cut.topology));
         let blades = blades.collect::<Result<_, _>>()?;
         reader.expect(self.bodies.len())?;
         let mut bodies = Vec::with_capacity(self.bodies.len());

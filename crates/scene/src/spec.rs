@@ -1,6 +1,7 @@
 //! What a scene is made of, as plain values. They are checked when the scene is built.
 
 use microsim_contact::{BroadPhaseMethod, Depth, Detection, ObstaclePart};
+use microsim_cutting::TopologyChange;
 use microsim_geometry::{Joint, Pose};
 use microsim_mesh::TetMesh;
 use microsim_tissue::elements::{CouplingConstants, SlidingConstants};
@@ -314,6 +315,8 @@ pub struct CapsuleSpec {
     pub lonor: bool,
     /// Where a single blade is sharp, in the tool's frame, tool closed, of length 1; `None` for one that cuts against the other jaw only.
     pub edge: Option<[f64; 3]>,
+    /// Where its line of no return lies beside its axis, in the tool's frame, tool closed, within its radius \[m\]; `None` for on the axis.
+    pub lonor_offset: Option<[f64; 3]>,
 }
 
 impl CapsuleSpec {
@@ -328,6 +331,7 @@ impl CapsuleSpec {
             jaw: None,
             lonor: false,
             edge: None,
+            lonor_offset: None,
         }
     }
 }
@@ -363,6 +367,18 @@ pub struct ContactSpec {
     pub force_limit: f64,
     /// How penetration is prevented or undone.
     pub response: ContactResponse,
+    /// How jaws hold the body.
+    pub grip: Grip,
+}
+
+/// How jaws hold a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Grip {
+    /// By the friction of contact alone.
+    #[default]
+    Friction,
+    /// Nodes in the box between the jaws' lines of no return move with the jaws while both touch (dissertation 4.4.2), for explicit methods.
+    Box,
 }
 
 impl ContactSpec {
@@ -374,6 +390,7 @@ impl ContactSpec {
             friction: 0.0,
             force_limit: f64::INFINITY,
             response: ContactResponse::Constraint,
+            grip: Grip::default(),
         }
     }
 }
@@ -425,6 +442,33 @@ pub struct CutSpec {
     pub body: String,
     /// Name of the tool.
     pub tool: String,
+    /// How the mesh changes.
+    pub topology: TopologyChange,
+    /// When tissue gets over a line of no return.
+    pub trigger: CutTrigger,
+}
+
+impl CutSpec {
+    /// A cut that follows the blade, by force.
+    pub fn new(body: impl Into<String>, tool: impl Into<String>) -> Self {
+        Self {
+            body: body.into(),
+            tool: tool.into(),
+            topology: TopologyChange::default(),
+            trigger: CutTrigger::default(),
+        }
+    }
+}
+
+/// When tissue that a tool touches gets over a line of no return.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CutTrigger {
+    /// When the force of contact is more than it bears; of two jaws, when they have closed.
+    #[default]
+    Force,
+    /// When it passes the line, as far as contact lets it into the capsule, and does not come back over it (dissertation 4.4.3); of two jaws also when they
+    /// have closed.
+    Penetration,
 }
 
 /// What a body touches.

@@ -359,6 +359,11 @@ impl Scene {
             .zip(&start)
             .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s, irrigated))
             .collect();
+        for pair in self.pairs.iter().filter(|pair| !pair.grip.is_empty()) {
+            if let Some(watch) = watches.get_mut(pair.body) {
+                watch.is_held();
+            }
+        }
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];
         let mut longest_steps = vec![None; self.groups.len()];
@@ -509,6 +514,7 @@ fn step_group(
     let _span = tracing::debug_span!("solve").entered();
     let mut control = group.control(bodies, gravity, end);
     group.irrigate(bodies, jets, &state.positions, &mut control);
+    group.hold(tools, contact_state, &state.positions, &mut control);
     let targets = group.targets(bodies, end);
     let (model, solver, contact) = group.parts(bodies);
     let report = match contact {

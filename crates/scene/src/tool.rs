@@ -54,6 +54,7 @@ struct Part {
     jaw: Option<Jaw>,
     lonor: bool,
     edge: Option<Vector3<f64>>,
+    lonor_offset: Option<Vector3<f64>>,
 }
 
 /// A line of no return in the world.
@@ -94,6 +95,13 @@ impl Tool {
             if !finite || capsule.radius <= 0.0 || no_line {
                 return Err(wrong(Some(index)));
             }
+            let offset = part.lonor_offset.map(Vector3::from);
+            // Written so that what is not a number is refused.
+            if offset
+                .is_some_and(|offset| offset.norm() >= capsule.radius || !offset.norm().is_finite())
+            {
+                return Err(wrong(Some(index)));
+            }
             let edge = match part.edge {
                 None => None,
                 Some(edge) => {
@@ -109,6 +117,7 @@ impl Tool {
                 jaw: part.jaw,
                 lonor: part.lonor,
                 edge,
+                lonor_offset: offset,
             })
         });
         let parts = parts.collect::<Result<Vec<_>, _>>()?;
@@ -227,13 +236,18 @@ impl Tool {
         let cutting = self.parts.iter().enumerate().filter(|(_, part)| part.lonor);
         let lines = cutting.map(|(index, part)| {
             let Capsule { a, b, radius } = part.at(opening).posed(&world_from_tool);
-            let edge = part
-                .edge
-                .map(|edge| world_from_tool.orientation * part.joint.direction_at(edge, opening));
+            let turned = |direction: Vector3<f64>| {
+                world_from_tool.orientation * part.joint.direction_at(direction, opening)
+            };
+            let edge = part.edge.map(turned);
+            let beside = |end: Vector3<f64>| match part.lonor_offset {
+                None => end,
+                Some(offset) => end + turned(offset),
+            };
             Lonor {
                 capsule: index as u32,
-                a,
-                b,
+                a: beside(a),
+                b: beside(b),
                 radius,
                 edge,
                 jaw: part.jaw,

@@ -10,7 +10,7 @@ use crate::kinds::{
 };
 use crate::material::Material;
 use crate::table::{choices, table};
-use microsim_vocabulary::{CellSplit, Finish, Unit, terms};
+use microsim_vocabulary::{CellSplit, Filling, Finish, Unit, terms};
 
 /// Most tetrahedra of a body: a few gigabytes.
 pub const MAX_ELEMENTS: u64 = 5_000_000;
@@ -62,6 +62,9 @@ table! {
         scale: Option<f64> = quantity(Unit::Length, 1e-9, 1e3),
         /// Of a file with a closed surface \[m\]: size of the cells that fill it.
         fill: Option<f64> = size(),
+        /// Of a file with a closed surface: how it is filled, `stuffing` (if left out) or `fitted-lattice`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        filling: Option<Filling>,
         /// Middle of a block or tube, place of the origin of a file, in the frame of the field \[m\]: origin of the
         /// body's frame.
         centre: [f64; 3] = point() => [0.0, 0.0, 0.0],

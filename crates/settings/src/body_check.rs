@@ -136,6 +136,9 @@ pub(crate) fn check_bodies(reading: &mut Reading) {
             if generator != "block" && reading.is_written(&key.key("arc_start")) {
                 needs(reading, &key, "arc_start", "arc");
             }
+            if reading.is_written(&key.key("filling")) {
+                needs(reading, &key, "filling", "fill");
+            }
             check_size(reading, &key, body);
         }
         for (r, _) in items(body, "refine") {

@@ -89,6 +89,8 @@ table! {
         title: String,
         /// Values that take the place of those of the scene: `KEY=VALUE`, as with --set.
         set: Vec<String> [0, 64],
+        /// Whether it is a material of the dissertation; runs of such a material by such a method are drawn in a colour of their own.
+        dissertation: bool => false,
     }
 }
 
@@ -101,6 +103,8 @@ table! {
         title: String,
         /// Values that take the place of those of the scene: `KEY=VALUE`, as with --set.
         set: Vec<String> [0, 64],
+        /// Whether it is a method of the dissertation, as with materials.
+        dissertation: bool => false,
         /// Steps of the solver \[s\].
         steps: Vec<f64> = list(time(1e-9, 1.0), 0, 32),
         /// Steps as fractions of the estimated stability limit of explicit methods.

@@ -36,6 +36,19 @@ table! {
         /// How deep nodes in another body are, of a penalty or target force; left out: consistent.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         depth: Option<PenetrationDepth>,
+        /// How jaws hold the body, and only with `tool`: by friction, or by the box between their lines of no return (dissertation 4.4.2), for explicit methods.
+        #[serde(default = "Grip::initial", skip_serializing_if = "Grip::is_default")]
+        grip: Grip => "friction",
+    }
+}
+
+terms! {
+    /// How jaws hold a body.
+    pub enum Grip {
+        /// By the friction of contact alone.
+        Friction = "friction",
+        /// What lies in the box between the jaws' lines of no return moves with the jaws.
+        Box = "box",
     }
 }
 
@@ -83,12 +96,73 @@ terms! {
     }
 }
 
-choices!(BroadPhase, ContactResponse, PenetrationDepth);
+terms! {
+    /// How a mesh changes where it is cut.
+    pub enum CutTopology {
+        /// Elements that are cut are taken away.
+        Remove = "remove",
+        /// The mesh comes apart at the faces nearest to the cut.
+        SplitAtFaces = "split-at-faces",
+        /// Elements are divided when the blade has left them (dissertation 4.2.1).
+        SemiProgressive = "semi-progressive",
+        /// Elements are divided in the step in which the blade comes to them.
+        Progressive = "progressive",
+    }
+}
+
+terms! {
+    /// When tissue that a tool presses on gets over a line of no return.
+    pub enum CutTrigger {
+        /// When the force of contact is more than it bears; of two jaws, when they have closed.
+        Force = "force",
+        /// When it lies behind the line, as far as contact lets it into the capsule (dissertation 4.4.3).
+        Penetration = "penetration",
+    }
+}
+
+choices!(
+    BroadPhase,
+    ContactResponse,
+    CutTopology,
+    CutTrigger,
+    Grip,
+    PenetrationDepth
+);
 
 // What was recorded before there were these keys has their defaults, and has the digest of then.
 impl BroadPhase {
     pub(crate) fn initial() -> Self {
         Self::Bvh
+    }
+
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::initial()
+    }
+}
+
+impl Grip {
+    pub(crate) fn initial() -> Self {
+        Self::Friction
+    }
+
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::initial()
+    }
+}
+
+impl CutTopology {
+    pub(crate) fn initial() -> Self {
+        Self::Progressive
+    }
+
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Self::initial()
+    }
+}
+
+impl CutTrigger {
+    pub(crate) fn initial() -> Self {
+        Self::Force
     }
 
     pub(crate) fn is_default(&self) -> bool {
@@ -114,6 +188,12 @@ table! {
         body: String = identifier(),
         /// The tool, one with a line of no return.
         tool: String = identifier(),
+        /// How the mesh changes.
+        #[serde(default = "CutTopology::initial", skip_serializing_if = "CutTopology::is_default")]
+        topology: CutTopology => "progressive",
+        /// When tissue gets over a line of no return, of a tool that also touches the body.
+        #[serde(default = "CutTrigger::initial", skip_serializing_if = "CutTrigger::is_default")]
+        trigger: CutTrigger => "force",
     }
 }
 

@@ -123,6 +123,7 @@ pub(crate) fn check_contacts(reading: &mut Reading) {
             );
         }
         check_response(reading, &key, pair);
+        check_grip(reading, &key, pair);
         let (body, with) = (pair["body"].as_str(), pair["with"].as_str());
         if body.is_some() && body == with {
             let found = format!("`{}` itself", body.unwrap_or_default());
@@ -178,12 +179,86 @@ fn check_response(reading: &mut Reading, pair: &KeyPath, value: &Value) {
     }
 }
 
+/// Complains about a box grip of what has no jaws.
+fn check_grip(reading: &mut Reading, pair: &KeyPath, value: &Value) {
+    let key = pair.key("grip");
+    if value["grip"] != "box" {
+        return;
+    }
+    let Some(tool) = value["tool"].as_str() else {
+        reading.complain(
+            &key,
+            "`box`",
+            "`box` with `tool` alone, whose jaws hold the body",
+        );
+        return;
+    };
+    let tools = texts(reading.value(), "tool", "name");
+    let place = tools.iter().find(|(_, name)| name == tool).map(|(i, _)| *i);
+    let of = place.map(|i| &reading.value()["tool"][i]);
+    // The jaws of a model stand in its own file.
+    let has_lines = of.is_none_or(|of| {
+        let line = |jaw: &str| {
+            items(of, "capsule").any(|(_, part)| part["jaw"] == jaw && part["lonor"] == true)
+        };
+        !of["model"].is_null() || (line("left") && line("right"))
+    });
+    if !has_lines {
+        let expected = format!(
+            "`friction`, as `{tool}` has no line of no return in each of two jaws: there is no box between them"
+        );
+        reading.complain(&key, "`box`", &expected);
+    }
+}
+
+/// Complains about tissue that is to get over a line to which contact does not let it.
+fn check_triggers(reading: &mut Reading) {
+    let mut wrong = Vec::new();
+    for (i, cut) in items(reading.value(), "cut").filter(|(_, cut)| cut["trigger"] == "penetration")
+    {
+        let of_both = |pair: &&Value| pair["body"] == cut["body"] && pair["tool"] == cut["tool"];
+        let pair = items(reading.value(), "contact")
+            .map(|(_, pair)| pair)
+            .find(of_both);
+        let reason = match pair {
+            None => "`force`: the two do not touch each other, and the lines go through the body",
+            Some(pair) if pair["response"] == "constraint" => {
+                "`force`: contact by `constraint` lets no tissue into the capsule, so none comes to its line"
+            }
+            Some(_) => continue,
+        };
+        wrong.push((KeyPath::root().key("cut").at(i).key("trigger"), reason));
+    }
+    for (key, reason) in wrong {
+        reading.complain(&key, "`penetration`", reason);
+    }
+}
+
+/// Complains about cuts of obstacles, which are rigid.
+fn check_rigid_cuts(reading: &mut Reading) {
+    let rigid = texts(reading.value(), "rigid", "name");
+    for (i, name) in texts(reading.value(), "cut", "body") {
+        if rigid.iter().any(|(_, obstacle)| *obstacle == name) {
+            let key = KeyPath::root().key("cut").at(i).key("body");
+            let expected = "a body: what is rigid has no elements that could be divided";
+            reading.complain(&key, &format!("the obstacle `{name}`"), expected);
+        }
+    }
+}
+
 /// Complains about cuts by or of what is not there, and about the same two again.
 pub(crate) fn check_cuts(reading: &mut Reading) {
+    check_rigid_cuts(reading);
+    check_triggers(reading);
     for (field, item) in [("tool", "a tool"), ("body", "a body")] {
         let known = texts(reading.value(), field, "name");
         let known: Vec<&str> = known.iter().map(|(_, name)| name.as_str()).collect();
-        for (i, name) in texts(reading.value(), "cut", field) {
+        let rigid = texts(reading.value(), "rigid", "name");
+        let named = texts(reading.value(), "cut", field);
+        for (i, name) in named {
+            if field == "body" && rigid.iter().any(|(_, obstacle)| *obstacle == name) {
+                continue;
+            }
             let key = KeyPath::root().key("cut").at(i).key(field);
             refers(reading, &key, &name, item, &known);
         }
@@ -193,7 +268,12 @@ pub(crate) fn check_cuts(reading: &mut Reading) {
         .map(|(i, cut)| (i, cut.clone()))
         .collect();
     for (at, (i, cut)) in cuts.iter().enumerate() {
-        if cuts[..at].iter().any(|(_, earlier)| earlier == cut) {
+        let same = |earlier: &Value| {
+            ["body", "tool"]
+                .iter()
+                .all(|side| earlier[side] == cut[side])
+        };
+        if cuts[..at].iter().any(|(_, earlier)| same(earlier)) {
             let key = KeyPath::root().key("cut").at(*i);
             reading.complain(&key, "the same pair a second time", "each pair once");
         }

@@ -25,6 +25,19 @@ pub struct ModuleFolder {
     pub manifest: Loaded<Manifest>,
     /// `levels/level1.toml`, `levels/level2.toml` …: level N is element N − 1.
     pub levels: Vec<PathBuf>,
+    /// Variants of these, by level and name.
+    pub variants: Vec<Variant>,
+}
+
+/// A variant of a level: the same task with other methods, in a file of its own, `levels/level<N>.NAME.toml`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Variant {
+    /// Number of the level.
+    pub level: u32,
+    /// Its name.
+    pub name: String,
+    /// Its file.
+    pub path: PathBuf,
 }
 
 /// Finds plugins and modules below `root`; what is wrong with one of them is a complaint and hides only that one.
@@ -59,8 +72,12 @@ pub fn discover_with(
         .map(|manifest| {
             let path = manifest.document.path();
             let folder = path.parent().unwrap_or(root).join("levels");
-            let levels = levels(&folder, &mut errors);
-            ModuleFolder { manifest, levels }
+            let (levels, variants) = levels(&folder, &mut errors);
+            ModuleFolder {
+                manifest,
+                levels,
+                variants,
+            }
         })
         .collect();
     (Tree { plugins, modules }, errors)
@@ -182,17 +199,19 @@ fn check_used_plugins(
 /// The folder, beside levels, of their meshes.
 const MESHES: &str = "meshes";
 
-/// The levels in a folder by their number, which runs from 1 without holes. Meshes that they name lie in a folder beside them.
-fn levels(folder: &Path, errors: &mut Vec<ConfigError>) -> Vec<PathBuf> {
+/// The levels in a folder by their number, which runs from 1 without holes, and their variants. Meshes that they name lie in a folder beside them.
+fn levels(folder: &Path, errors: &mut Vec<ConfigError>) -> (Vec<PathBuf>, Vec<Variant>) {
     let mut numbered: Vec<(u32, PathBuf)> = Vec::new();
+    let mut variants: Vec<Variant> = Vec::new();
     for path in entries(folder, errors) {
         match level_number(&file_name(&path)) {
             Some(number) => numbered.push((number, path)),
+            None if variant(&path).is_some() => variants.extend(variant(&path)),
             None if path.is_dir() && file_name(&path) == MESHES => {}
             None => errors.push(whole_file(
                 &path,
                 "a file that is no level",
-                "only level<N>.toml here, with N from 1, and the folder `meshes`",
+                "only level<N>.toml and level<N>.VARIANT.toml here, with N from 1, and the folder `meshes`",
             )),
         }
     }
@@ -220,7 +239,36 @@ fn levels(folder: &Path, errors: &mut Vec<ConfigError>) -> Vec<PathBuf> {
     }
     // What stands behind a hole would take the place of another level.
     numbered.truncate(whole);
-    numbered.into_iter().map(|(_, path)| path).collect()
+    variants.retain(|variant| {
+        let is_there = variant.level as usize <= whole;
+        if !is_there {
+            let found = format!("a variant of level {}", variant.level);
+            errors.push(whole_file(
+                &variant.path,
+                &found,
+                "one of a level that is there",
+            ));
+        }
+        is_there
+    });
+    variants.sort();
+    let levels = numbered.into_iter().map(|(_, path)| path).collect();
+    (levels, variants)
+}
+
+/// The variant that a file `level<N>.NAME.toml` is; names are identifiers.
+fn variant(path: &Path) -> Option<Variant> {
+    let file = file_name(path);
+    let (level, name) = file.strip_suffix(".toml")?.split_once('.')?;
+    let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+    let is_identifier =
+        name.starts_with(|c: char| c.is_ascii_lowercase()) && name.chars().all(is_name);
+    Some(Variant {
+        level: level_number(&format!("{level}.toml"))?,
+        name: name.to_owned(),
+        path: path.to_path_buf(),
+    })
+    .filter(|_| is_identifier)
 }
 
 /// N of `level<N>.toml`, written without leading zeros, from 1.
@@ -264,6 +312,24 @@ mod tests {
         ];
         for (name, number) in cases {
             assert_eq!(level_number(name), number, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_variant_is_named_by_its_level_and_its_name() {
+        let cases = [
+            ("level2.dissertation.toml", Some((2, "dissertation"))),
+            ("level12.as-in-2015.toml", Some((12, "as-in-2015"))),
+            ("level2.toml", None),
+            ("level2..toml", None),
+            ("level2.Old.toml", None),
+            ("level2.a.b.toml", None),
+            ("level0.dissertation.toml", None),
+        ];
+        for (name, expected) in cases {
+            let found = variant(Path::new(name));
+            let found = found.as_ref().map(|of| (of.level, of.name.as_str()));
+            assert_eq!(found, expected, "{name}");
         }
     }
 }

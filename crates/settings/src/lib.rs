@@ -68,12 +68,13 @@ pub use chart::{
 };
 pub use colour::Colour;
 pub use contact::{
-    BroadPhase, ContactPair, ContactResponse, CutPair, PenetrationDepth, SceneTool, ToolKey,
+    BroadPhase, ContactPair, ContactResponse, CutPair, CutTopology, CutTrigger, Grip,
+    PenetrationDepth, SceneTool, ToolKey,
 };
 pub use course::{Course, CourseStep, Unlock, load_course, read_course};
 pub use describe::{json_schema, reference};
 pub use desktop::{Desktop, DesktopConfig, load_desktop, read_desktop};
-pub use discover::{ModuleFolder, Tree, discover, discover_with};
+pub use discover::{ModuleFolder, Tree, Variant, discover, discover_with};
 pub use document::{Document, Loaded};
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
 pub use explain::{LevelPart, level_parts};
@@ -94,8 +95,8 @@ pub use manifest_check::{load_manifest, read_manifest};
 pub use material::{Fibres, Law, Material, Plasticity, SpringForm};
 pub use method::{Accuracy, Method, Tuned};
 pub use microsim_vocabulary::{
-    Category, CellSplit, Direction, Discretisation, Finish, Interpolation, Language, LawName,
-    LocalText, MethodName, Overflow, PluginKind, QuantityError, Unit,
+    Category, CellSplit, Direction, Discretisation, Filling, Finish, Interpolation, Language,
+    LawName, LocalText, MethodName, Overflow, PluginKind, QuantityError, Unit,
 };
 pub use openigtlink::{
     LinkClock, LinkDevice, LinkOpening, LinkRole, OpenIgtLink, TrackedStream, load_openigtlink,

@@ -358,6 +358,9 @@ pub struct RendererConfig {
     pub width: u32,
     /// Height of a picture \[px\].
     pub height: u32,
+    /// What stands in the picture's corner.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub caption: Option<String>,
 }
 
 impl RendererConfig {
@@ -374,6 +377,7 @@ impl RendererConfig {
             bodies: level.body.iter().map(look).collect(),
             width,
             height,
+            caption: None,
         }
     }
 }

@@ -64,7 +64,7 @@ table! {
         sample: f64 = time(1e-9, 600.0) => 0.001,
         /// Time between two exported meshes (--vtu) \[s\]; a longer sample takes its place.
         frame: f64 = time(1e-9, 6e3) => 0.02,
-        /// When it ends: after its `duration`, or when it has come to `rest`.
+        /// When it ends: after its `duration`, when it has come to `rest`, or with the `divergence` of a body, which is then what has to come out.
         end: End => "time",
         /// It rests when no node moved faster than this over a whole sample \[m/s\]; with `end = "rest"`, and only
         /// there.
@@ -94,6 +94,8 @@ terms! {
         Time = "time",
         /// When no node has been faster than the speed of rest over a whole sample.
         Rest = "rest",
+        /// When a body has diverged, which a scene of a failing method expects within its duration.
+        Divergence = "divergence",
     }
 }
 

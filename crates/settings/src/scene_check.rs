@@ -99,9 +99,18 @@ fn check_run(reading: &mut Reading) {
         (false, true) => reading.complain(
             &key,
             "`rest_speed`",
-            "no `rest_speed`, as the scene ends by time",
+            "no `rest_speed`, as the scene does not end at rest",
         ),
         _ => {}
+    }
+    if reading.value()["run"]["end"] == "divergence"
+        && reading.value()["run"]["containment"] == true
+    {
+        reading.complain(
+            &run.key("containment"),
+            "a scene that is to diverge",
+            "no `containment`, which rolls bodies back that do",
+        );
     }
     let search = reading.value()["run"]["broad_phase"].clone();
     check_broad_phase(reading, &run, &search);

@@ -14,6 +14,7 @@ use crate::table::{choices, table};
 use microsim_geometry::{Capsule, Hinge, Joint};
 use microsim_vocabulary::{Finish, LocalText, Unit, terms};
 use nalgebra::Vector3;
+use serde_json::Value;
 use std::path::Path;
 
 table! {
@@ -81,6 +82,9 @@ table! {
         /// Where a single blade is sharp, in the tool frame, tool closed; only with `lonor`. Without it the line cuts
         /// against that of the other jaw only, and its back is blunt.
         edge: Option<[f64; 3]> = direction(),
+        /// How far its line of no return lies beside its axis, in the tool frame, tool closed; only with `lonor` \[m\]. The line stays within the capsule.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        lonor_offset: Option<[f64; 3]> = tool_point(),
     }
 }
 
@@ -160,11 +164,15 @@ pub(crate) fn check_jaws(reading: &mut Reading, tool: &KeyPath) {
         parts.map(|(i, part)| (i, part["lonor"] == true)).collect()
     });
     for (i, _) in parts.iter().filter(|(_, lonor)| !lonor) {
-        let key = tool.key("capsule").at(*i).key("edge");
-        if reading.is_written(&key) {
-            reading.complain(&key, "`edge`", "no `edge` without `lonor = true`");
+        for field in ["edge", "lonor_offset"] {
+            let key = tool.key("capsule").at(*i).key(field);
+            if reading.is_written(&key) {
+                let expected = format!("no `{field}` without `lonor = true`");
+                reading.complain(&key, &format!("`{field}`"), &expected);
+            }
         }
     }
+    check_offsets(reading, tool);
     let elastic = tool.key("jaw_stiffness");
     if !jaws && reading.is_written(&elastic) {
         let expected = "no `jaw_stiffness`, as there are no jaws";
@@ -183,6 +191,30 @@ pub(crate) fn check_jaws(reading: &mut Reading, tool: &KeyPath) {
             ),
             _ => {}
         }
+    }
+}
+
+/// Complains about lines of no return outside of their capsules: tissue would be held before it.
+fn check_offsets(reading: &mut Reading, tool: &KeyPath) {
+    let value = match tool == &KeyPath::root() {
+        true => Some(reading.value()),
+        false => reading.value_at(tool),
+    };
+    let outside = |part: &Value| {
+        let offset = part["lonor_offset"].as_array()?;
+        let squares = offset.iter().filter_map(Value::as_f64).map(|x| x * x);
+        let length = squares.sum::<f64>().sqrt();
+        let radius = part["radius"].as_f64()?;
+        (length >= radius).then_some((length, radius))
+    };
+    let parts = value.into_iter().flat_map(|value| items(value, "capsule"));
+    let wrong: Vec<_> = parts
+        .filter_map(|(i, part)| Some((i, outside(part)?)))
+        .collect();
+    for (i, (length, radius)) in wrong {
+        let expected = format!("less than the radius, {}", Unit::Length.describe(radius));
+        let key = tool.key("capsule").at(i).key("lonor_offset");
+        reading.complain(&key, &Unit::Length.describe(length), &expected);
     }
 }
 

@@ -126,7 +126,7 @@ table! {
         turn_beta: f64 = ratio(1e6) => 3.0,
         /// Cutoff of the speeds \[Hz\].
         derivative_cutoff: f64 = quantity(Unit::Frequency, 0.01, 1000.0) => 1.0,
-        /// How far ahead positions are predicted, with the velocity of the filter; 0 is off \[s\].
+        /// How far ahead poses are predicted, positions and orientations, as if they went on steadily; at most as long as `stale_after`. 0 is off \[s\].
         predict: f64 = time(0.0, 0.2) => 0.0,
     }
 }
@@ -312,6 +312,7 @@ pub fn read_translator(text: &str, file: &str) -> Result<Loaded<Translator>, Con
     check_boxes(&mut reading);
     check_markers(&mut reading);
     check_clutches(&mut reading);
+    check_predictions(&mut reading);
     reading.finish()
 }
 
@@ -362,6 +363,26 @@ fn check_clutches(reading: &mut Reading) {
             let key = KeyPath::root().key("clutch").at(index).key("device");
             reading.complain(&key, &found, "a device of its own, such as a pedal");
         }
+    }
+}
+
+/// A tool is not shown further ahead than it may be unseen: one whose samples cease would go on for longer than anybody takes it for tracked.
+fn check_predictions(reading: &mut Reading) {
+    let Some(stale_after) = reading.value()["stale_after"].as_f64() else {
+        return;
+    };
+    let predicted: Vec<(usize, f64)> = items(reading.value(), "filter")
+        .filter_map(|(at, filter)| Some((at, filter["parameters"]["predict"].as_f64()?)))
+        .filter(|(_, predict)| *predict > stale_after)
+        .collect();
+    for (at, predict) in predicted {
+        let key = KeyPath::root().key("filter").at(at);
+        let expected = format!(
+            "at most {:.0} ms, after which a tool without samples is stale (`stale_after`)",
+            1e3 * stale_after
+        );
+        let found = format!("{:.0} ms", 1e3 * predict);
+        reading.complain(&key.key("parameters").key("predict"), &found, &expected);
     }
 }
 

@@ -349,7 +349,7 @@ impl Store {
         let mut attempts = self.connection.prepare(
             "SELECT verdict = 'passed' FROM session JOIN trainee ON session.trainee = trainee.key
             WHERE trainee.id = ?1 AND module = ?2 AND level = ?3 AND counts AND synthetic IS NULL
-            ORDER BY session.started, session.id",
+            ORDER BY session.started, session.started_subsec_ns, session.id",
         )?;
         let mut unlocked = self.connection.prepare(
             "SELECT 1 FROM unlocked JOIN trainee ON unlocked.trainee = trainee.key

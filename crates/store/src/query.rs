@@ -107,17 +107,18 @@ fn values(
     Ok(found.into_iter().map(|(_, value)| value).collect())
 }
 
-/// Keys of sessions, by time, and by id where that is the same. Sorted here: the database would sort whole rows, in files.
+/// Keys of sessions in the order of [`Session::order`]. Sorted here: the database would sort whole rows, in files.
 fn keys(connection: &Connection, condition: &str, values: &[Value]) -> rusqlite::Result<Vec<i64>> {
-    let sql =
-        format!("SELECT session.started, session.id, session.key FROM session WHERE {condition}");
+    let sql = format!(
+        "SELECT session.started, session.started_subsec_ns, session.id, session.key FROM session WHERE {condition}"
+    );
     let mut statement = connection.prepare(&sql)?;
     let rows = statement.query_map(params_from_iter(values), |row| {
-        Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+        Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?))
     })?;
-    let mut rows = rows.collect::<rusqlite::Result<Vec<(i64, Id, i64)>>>()?;
+    let mut rows = rows.collect::<rusqlite::Result<Vec<(i64, u32, Id, i64)>>>()?;
     rows.sort_unstable();
-    Ok(rows.into_iter().map(|(_, _, key)| key).collect())
+    Ok(rows.into_iter().map(|(_, _, _, key)| key).collect())
 }
 
 /// What reads sessions by their keys.

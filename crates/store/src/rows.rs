@@ -8,10 +8,10 @@ use rusqlite::{Error, Row};
 pub(crate) const SESSION: &str = "session.key, session.id, session.path, session.trainee, session.module, session.level, session.started,
     session.simulated, session.finished, session.seed, session.input, session.version, session.realtime, session.synthetic,
     session.state_hash, session.verdict, session.counts, session.failed, session.duration, session.targets_done, session.targets,
-    session.score";
+    session.score, session.started_subsec_ns";
 
 /// How many those are: a query may have others behind them.
-pub(crate) const SESSION_COLUMNS: usize = 22;
+pub(crate) const SESSION_COLUMNS: usize = 23;
 
 /// Columns that [`metric`] reads.
 pub(crate) const METRIC: &str =
@@ -57,6 +57,7 @@ pub(crate) fn session(row: &Row<'_>) -> rusqlite::Result<(Keyed<Session>, Option
         targets_done: row.get(19)?,
         targets: row.get(20)?,
         score: row.get(21)?,
+        started_subsec_ns: row.get(22)?,
         categories: Vec::new(),
         metrics: Vec::new(),
     };

@@ -7,7 +7,7 @@ use rusqlite::{Connection, TransactionBehavior};
 pub(crate) const APPLICATION: i64 = 0x4d53_494d;
 
 /// One step from a version to the next: the SQL of index n makes version n + 1.
-pub(crate) const MIGRATIONS: &[&str] = &[VERSION_1];
+pub(crate) const MIGRATIONS: &[&str] = &[VERSION_1, VERSION_2];
 
 /// Version of the tables that this program writes.
 pub const VERSION: i64 = MIGRATIONS.len() as i64;
@@ -179,6 +179,15 @@ LEFT JOIN trainee ON trainee.key = session.trainee
 LEFT JOIN metric_value ON metric_value.session = session.key
 LEFT JOIN metric ON metric.key = metric_value.metric;
 ";
+
+/// Runs that began within one second have an order.
+const VERSION_2: &str =
+    "ALTER TABLE session ADD COLUMN started_subsec_ns INTEGER NOT NULL DEFAULT 0;";
+
+/// What makes a file of version n + 1 readable as one of the last version without a change of it, by index n: views of the connection's
+/// own, which stand before tables of the same name.
+pub(crate) const VIEWS_OF_EARLIER: [&str; VERSION as usize - 1] =
+    ["CREATE TEMP VIEW session AS SELECT *, 0 AS started_subsec_ns FROM main.session;"];
 
 /// Version of the tables of a file; 0 for an empty one.
 pub(crate) fn version(connection: &Connection) -> Result<i64, StoreError> {

@@ -95,6 +95,9 @@ pub struct Session {
     pub level: u32,
     /// Wall clock at the start, seconds since 1970. When it ended does not stand in a session, so it is not here either.
     pub started: i64,
+    /// Nanoseconds within that second; 0 for sessions of before 2026-11-26.
+    #[serde(default)]
+    pub started_subsec_ns: u32,
     /// Simulated time of all ticks \[s\].
     pub simulated: f64,
     /// Whether it was closed; otherwise its process was killed.
@@ -149,6 +152,13 @@ pub(crate) fn key(connection: &Connection, id: Id) -> Result<Option<i64>, StoreE
     Ok(statement.query_row([id], |row| row.get(0)).optional()?)
 }
 
+impl Session {
+    /// The order of sessions: by their start, and by id where that is the same.
+    pub fn order(&self) -> (i64, u32, Id) {
+        (self.started, self.started_subsec_ns, self.id)
+    }
+}
+
 /// Enters a session in the place of one of the same id.
 pub(crate) fn enter(connection: &Connection, session: &Session) -> Result<(), StoreError> {
     let trainee = session.trainee;
@@ -156,11 +166,12 @@ pub(crate) fn enter(connection: &Connection, session: &Session) -> Result<(), St
     let trainee = trainee.transpose()?;
     let mut insert = connection.prepare_cached(
         "INSERT INTO session (id, path, trainee, module, level, started, simulated, finished, seed, input, version, realtime,
-            synthetic, state_hash, verdict, counts, failed, duration, targets_done, targets, score)
-        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21)
+            synthetic, state_hash, verdict, counts, failed, duration, targets_done, targets, score, started_subsec_ns)
+        VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22)
         ON CONFLICT (id) DO UPDATE SET path = ?2, trainee = ?3, module = ?4, level = ?5, started = ?6, simulated = ?7, finished = ?8,
             seed = ?9, input = ?10, version = ?11, realtime = ?12, synthetic = ?13, state_hash = ?14, verdict = ?15, counts = ?16,
-            failed = ?17, duration = ?18, targets_done = ?19, targets = ?20, score = ?21
+            failed = ?17, duration = ?18, targets_done = ?19, targets = ?20, score = ?21,
+            started_subsec_ns = ?22
         RETURNING key",
     )?;
     let key: i64 = insert.query_row(
@@ -186,6 +197,7 @@ pub(crate) fn enter(connection: &Connection, session: &Session) -> Result<(), St
             session.targets_done,
             session.targets,
             session.score,
+            session.started_subsec_ns,
         ],
         |row| row.get(0),
     )?;

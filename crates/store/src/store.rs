@@ -1,7 +1,7 @@
 //! The file of the store: opening, checking, copying it.
 
 use crate::error::StoreError;
-use crate::schema::{MIGRATIONS, VERSION, check, migrate, version};
+use crate::schema::{MIGRATIONS, VERSION, VIEWS_OF_EARLIER, check, migrate, version};
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 use std::fs;
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
@@ -80,11 +80,11 @@ impl Store {
         })
     }
 
-    /// Opens a store for reading alone; `None` if there is none. Nothing is written, so that one in a read-only folder can be read; an
-    /// earlier version is refused there, as it would have to be brought to this one's.
+    /// Opens a store for reading alone; `None` if there is none. Nothing is written, so that one in a read-only folder can be read, of an
+    /// earlier version as well.
     ///
     /// # Errors
-    /// Of another version, damaged or locked.
+    /// Of a later version, damaged or locked.
     pub fn open_to_read(path: &Path) -> Result<Option<Self>, StoreError> {
         if !path.exists() {
             return Ok(None);
@@ -116,9 +116,11 @@ impl Store {
             return Ok(None);
         }
         if found < VERSION {
-            return Err(StoreError::Refused(format!(
-                "the store has version {found}, and can be read when it was brought to version {VERSION}: `microsim store check` does so"
-            )));
+            let views = usize::try_from(found - 1).ok();
+            let views = views.and_then(|index| VIEWS_OF_EARLIER.get(index));
+            let views = views
+                .ok_or_else(|| StoreError::Damaged(format!("its tables are of version {found}")))?;
+            connection.execute_batch(views)?;
         }
         let path = path.to_path_buf();
         Ok(Some(Self {
@@ -289,6 +291,7 @@ fn copy_of_version(connection: &Connection, path: &Path, version: i64) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Filter;
 
     const STEPS: [&str; 2] = [
         "CREATE TABLE a (x INTEGER) STRICT; INSERT INTO a VALUES (7);",
@@ -317,6 +320,31 @@ mod tests {
             .expect("a table")
             .column_count();
         assert_eq!(columns, 1);
+    }
+
+    /// A file of version 1 can be read, and salvaged, without a change of it.
+    #[test]
+    fn an_earlier_version_can_be_read_as_it_is() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("store.sqlite");
+        let first = Store::open_with(&path, &MIGRATIONS[..1]).expect("version 1");
+        let insert = "INSERT INTO session (id, path, module, level, started, simulated, finished, seed, input, version, realtime,
+                verdict, counts, failed, duration, targets_done, targets)
+            VALUES ('00000000000000000000000000000001', 'p', 'm', 1, 20, 1, 1, '1', 'i', 'v', 0, 'passed', 1, '', 3, 1, 1)";
+        first.connection.execute(insert, []).expect("a row");
+        drop(first);
+        let store = Store::open_to_read(&path)
+            .expect("readable")
+            .expect("there");
+        let found = store.results(&Filter::default(), true).expect("results");
+        assert_eq!(
+            (found.len(), found[0].session.started_subsec_ns),
+            (1, 0),
+            "{found:?}"
+        );
+        let (document, losses) = store.export();
+        assert_eq!((document.sessions.len(), losses), (1, Vec::new()));
+        assert_eq!(store.version(), Ok(1));
     }
 
     /// A step that fails leaves the earlier version as it was.

@@ -95,6 +95,14 @@ impl Results {
                 );
             }
         }
+        if rows().any(|row| self.is_of_the_dissertation(row)) {
+            let _ = write!(
+                out,
+                "<span class=\"key\">{}{}</span>",
+                key(0, "dissertation"),
+                panel::OF_THE_DISSERTATION
+            );
+        }
         out.push_str("</p>\n<p class=\"legend small\">Markers grow with the mesh. Filled: elements that stand first in the scene's table of \
              elements; hollow: others. The dark stairs are the runs that no other run beats, with numbers that the tables explain. \
              Point at a marker for its run.</p>\n</header>\n");

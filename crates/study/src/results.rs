@@ -78,6 +78,12 @@ impl Results {
         &self.chart.material[row.key.group.material].title
     }
 
+    /// Whether both material and method of a row are those of the dissertation.
+    pub fn is_of_the_dissertation(&self, row: &Row) -> bool {
+        let material = &self.chart.material[row.key.group.material];
+        material.dissertation && self.chart.method[row.key.method].dissertation
+    }
+
     /// Name of a row's mesh.
     pub fn resolution_name(&self, row: &Row) -> &str {
         let key = &row.key.group;

@@ -181,6 +181,19 @@ impl SolverExplicit {
         }
     }
 
+    /// Brings carried nodes to their places, from where contact may move them; their displacement goes on as in [`apply_targets`](Self::apply_targets).
+    fn carry(&mut self, model: &TissueModel, control: &Control, to: [f64; 2]) {
+        for (node, target) in &control.carried {
+            let node = *node as usize;
+            if !model.is_clamped(node) {
+                let displacement = target - self.positions[node];
+                self.positions[node] = *target;
+                self.velocities[node] += displacement * to[0];
+                self.accelerations[node] += displacement * to[1];
+            }
+        }
+    }
+
     /// Enforces non-penetration. A force moves a node by h (E² `before` + `after`) times its acceleration, with `times` = [h, before, after]
     /// \[s\]; that displacement goes on as in [`apply_targets`](Self::apply_targets).
     fn enforce_contact(
@@ -267,6 +280,7 @@ impl SolverExplicit {
         }
         self.clamp(model, state, control, h);
         self.apply_targets(model, targets, 1.0 / h, 0.0);
+        self.carry(model, control, [1.0 / h, 0.0]);
         if !is_finite(&self.positions) {
             return Err(StepFailure::NotFinite);
         }
@@ -367,6 +381,7 @@ impl SolverExplicit {
         self.clamp(model, state, control, h);
         let per_displacement = 1.0 / (h * (lag + 0.5 * h));
         self.apply_targets(model, targets, lag * per_displacement, per_displacement);
+        self.carry(model, control, [lag * per_displacement, per_displacement]);
         if let Some(contact) = contact {
             self.factors.fill(1.0);
             self.enforce_contact(
@@ -407,6 +422,7 @@ impl SolverExplicit {
             });
             self.clamp(model, state, control, h);
             self.apply_targets(model, targets, 1.0 / h, 0.0);
+            self.carry(model, control, [1.0 / h, 0.0]);
             if let Some(contact) = contact {
                 self.enforce_contact(model, state, contact, [h, 0.0, h], [1.0 / h, 0.0])?;
             }

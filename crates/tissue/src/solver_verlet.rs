@@ -123,6 +123,13 @@ impl SolverVerlet {
             self.predicted[node] = *position;
             self.predicted_velocities[node] = (position - state.positions[node]) / h;
         }
+        for (node, target) in &control.carried {
+            let node = *node as usize;
+            if !model.is_clamped(node) {
+                self.predicted_velocities[node] += (target - self.predicted[node]) / h;
+                self.predicted[node] = *target;
+            }
+        }
         &self.predicted
     }
 

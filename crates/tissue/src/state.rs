@@ -95,6 +95,9 @@ pub struct Control {
     pub pressures: Vec<Pressure>,
     /// Pressures on single triangles.
     pub pressed: Vec<PressedTriangle>,
+    /// Places to which a force brings nodes by the end of the step, whatever else acts on them but contact, which may move them on \[m\]; of explicit
+    /// methods but explicit Euler.
+    pub carried: Vec<(u32, Vector3<f64>)>,
 }
 
 /// A pressure on part of a surface; it follows the surface.

@@ -12,12 +12,23 @@
 //! are filtered by spherical interpolation with the angle in the place of the distance; openings are not filtered.
 //!
 //! # Delay
-//! A steady motion comes out later by exactly τ(f), at any rate of samples: 1/(2π min_cutoff) at the slowest, less the faster ([`OneEuro::delay`]). Prediction adds velocity times
-//! a time, and with it noise; it is off unless asked for.
+//! A steady motion comes out later by exactly τ(f), at any rate of samples: 1/(2π min_cutoff) at the slowest, less the faster ([`OneEuro::delay`]).
+//!
+//! # Prediction
+//! Off unless asked for. Poses go on from the filtered one for a time p, steadily: positions with the velocity of the filter, orientations about the axis and with the rate of the last
+//! turn from one filtered orientation to the next.
+//!
+//! ```text
+//! x̂(t + p) = x̂ + p v        q̂(t + p) = (q̂ q̂₀⁻¹)^(p/T) q̂
+//! ```
+//!
+//! A steady motion or turn then comes out later by τ(f) − p: with p = τ(f) it is where it is. Any other motion is not: what is off for a sine, of its amplitude, is |G(f) − 1| with
+//! the gain G of filter and prediction together, in closed form ([`OneEuro::sine_error`]). At high frequencies G grows with p, so that jitter and tremor do: an angle that is predicted by τ(f) is
+//! that of no filter at all (G = 1), with all of its tremor; positions, whose velocity is low-passed, get less of it back and are off more.
 
 use crate::rotation::slerp;
 use crate::statistics::distance;
-use nalgebra::Vector3;
+use nalgebra::{Complex, Quaternion, Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -32,7 +43,7 @@ pub struct OneEuro {
     pub turn_beta: f64,
     /// Cutoff of the speeds, above 0 `[Hz]`.
     pub derivative_cutoff: f64,
-    /// How far ahead positions are predicted, 0 or more `[s]`; 0 is off.
+    /// How far ahead poses are predicted, 0 or more `[s]`; 0 is off.
     pub predict_s: f64,
 }
 
@@ -52,6 +63,29 @@ impl OneEuro {
     /// By how much a steady motion of this speed comes out later `[s]`, without prediction.
     pub fn delay(&self, speed: f64) -> f64 {
         1.0 / (2.0 * PI * (self.min_cutoff + self.beta * speed))
+    }
+
+    /// What is off for a sine of `frequency` \[Hz\] that is sampled each `interval` \[s\], of its amplitude: of a position, and of an angle about an axis that stays. Exact where the cutoff does not depend on
+    /// the speed (`beta` and `turn_beta` are 0). Follows from the difference equations with z⁻¹ = e^(−iω T):
+    ///
+    /// ```text
+    /// H(c) = a/(1 − (1 − a) z⁻¹), a the weight of a sample with the cutoff c
+    /// G    = H(min_cutoff) + p (1 − z⁻¹)/T · H(derivative_cutoff)    of a position
+    /// G    = H(min_cutoff) (1 + p (1 − z⁻¹)/T)                       of an angle
+    /// ```
+    pub fn sine_error(&self, frequency: f64, interval: f64) -> [f64; 2] {
+        let phase = 2.0 * PI * frequency * interval;
+        let back = Complex::new(libm::cos(phase), -libm::sin(phase));
+        let one = Complex::new(1.0, 0.0);
+        let gain = |cutoff| {
+            let a = weight(cutoff, interval);
+            one * a / (one - back * (1.0 - a))
+        };
+        let rate = (one - back) * (self.predict_s / interval);
+        let low = gain(self.min_cutoff);
+        let position = low + rate * gain(self.derivative_cutoff);
+        let off = |gain: Complex<f64>| libm::hypot(gain.re - 1.0, gain.im);
+        [off(position), off(low + low * rate)]
     }
 
     /// The name of the first number that is not what it has to be, with its value.
@@ -99,11 +133,15 @@ impl OneEuro {
             Some(before) => self.go_on(&before, time_s, position, orientation),
         };
         *memory = Some(next);
-        let ahead = match self.predict_s > 0.0 {
-            true => std::array::from_fn(|i| next.position[i] + self.predict_s * next.velocity[i]),
-            false => next.position,
-        };
-        (ahead, next.orientation)
+        if self.predict_s == 0.0 {
+            return (next.position, next.orientation);
+        }
+        let ahead = std::array::from_fn(|i| next.position[i] + self.predict_s * next.velocity[i]);
+        let turned = before.map_or(next.orientation, |before| {
+            let part = self.predict_s / (next.time_s - before.time_s);
+            turned_on(before.orientation, next.orientation, part)
+        });
+        (ahead, turned)
     }
 
     fn go_on(
@@ -141,6 +179,24 @@ impl OneEuro {
 /// How much of the difference a sample takes away.
 fn weight(cutoff: f64, elapsed: f64) -> f64 {
     1.0 / (1.0 + 1.0 / (2.0 * PI * cutoff * elapsed))
+}
+
+/// The orientation that a steady turn from one to the next comes to when it goes on for `part` of the time between them.
+fn turned_on(from: [f64; 4], to: [f64; 4], part: f64) -> [f64; 4] {
+    let angle = angle(from, to);
+    let [from, to] = [from, to].map(|q| Unit::new_unchecked(Quaternion::from(q)));
+    let turn: UnitQuaternion<f64> = to * from.inverse();
+    let Some(axis) = Unit::try_new(turn.imag(), 0.0) else {
+        return to.coords.into();
+    };
+    // q and −q are the same turn; this is the one by the smaller angle.
+    let half = 0.5 * part * angle.copysign(turn.w);
+    let (sine, cosine) = (libm::sin(half), libm::cos(half));
+    let [x, y, z] = (axis.into_inner() * sine).into();
+    let on = Unit::new_unchecked(Quaternion::new(cosine, x, y, z));
+    UnitQuaternion::new_normalize((on * to).into_inner())
+        .coords
+        .into()
 }
 
 /// The angle of the rotation between two unit quaternions `[rad]`.
@@ -220,18 +276,81 @@ mod tests {
         }
     }
 
-    /// A steady motion that is predicted by the delay is where it is.
+    /// A steady motion and turn that are predicted by the delay are where they are, at any rate; with 30 ms more they are 30 ms ahead.
     #[test]
     fn prediction_by_the_delay_takes_it_away() {
+        for rate in [50.0, 100.0, 1000.0] {
+            for more in [0.0, 0.03] {
+                let filter = OneEuro {
+                    predict_s: PLAIN.delay(0.0) + more,
+                    ..PLAIN
+                };
+                for speed in [0.05, -0.2] {
+                    let (time, position, orientation) = last(filter, rate, |t| speed * t);
+                    let place = speed * (time + more);
+                    assert!((position[0] - place).abs() < 1e-9, "{position:?} at {time}");
+                    let turned = 2.0 * libm::atan2(orientation[2], orientation[3]);
+                    assert!((turned - place).abs() < 1e-9, "{turned} at {time}");
+                }
+            }
+        }
+    }
+
+    /// Without a sample before there is nothing to go on with; half a turn and more between two samples is a turn by the smaller angle in the other direction.
+    #[test]
+    fn a_turn_goes_on_about_its_axis() {
+        let mut memory = None;
         let filter = OneEuro {
-            predict_s: PLAIN.delay(0.0),
+            predict_s: 0.2,
             ..PLAIN
         };
-        let (time, position, _) = last(filter, 100.0, |t| 0.05 * t);
-        assert!(
-            (position[0] - 0.05 * time).abs() < 1e-10,
-            "{position:?} at {time}"
-        );
+        let first = filter.step(&mut memory, 0.0, [1.0; 3], about_z(0.4), 1.0);
+        assert_eq!(first, ([1.0; 3], about_z(0.4)));
+        let still = filter.step(&mut memory, 0.01, [1.0; 3], about_z(0.4), 1.0);
+        assert_eq!(still, first);
+        for (from, by, part, to) in [
+            (0.2, 0.1, 3.0, 0.6),
+            (0.2, -0.1, 0.5, 0.05),
+            (0.2, 2.0 * PI - 0.1, 1.0, 0.0),
+        ] {
+            let found = turned_on(about_z(from), about_z(from + by), part);
+            assert!(angle(found, about_z(to)) < 1e-12, "{from} {by}: {found:?}");
+        }
+    }
+
+    /// A sine and what comes out for it, sampled ten thousand times: twice the mean of the square of the difference is the square of its amplitude, which the closed form states.
+    #[test]
+    fn a_sine_is_off_by_what_the_difference_equation_states() {
+        for rate in [60.0, 100.0, 1000.0] {
+            for predict_s in [0.0, 0.02, PLAIN.delay(0.0), 0.2] {
+                // Whole periods in a whole number of samples: 10 s of both at each rate.
+                for frequency in [0.5, 1.0, 2.0, 9.0] {
+                    let filter = OneEuro { predict_s, ..PLAIN };
+                    let mut memory = None;
+                    let (mut off, mut count) = ([0.0; 2], 0.0);
+                    for step in 0..(20.0 * rate) as i32 {
+                        let time = f64::from(step) / rate;
+                        let place = 0.1 * libm::sin(2.0 * PI * frequency * time + 0.3);
+                        let at = [0.0, place, 0.0];
+                        let (p, q) = filter.step(&mut memory, time, at, about_z(place), 1.0);
+                        if step >= (10.0 * rate) as i32 {
+                            let turned = 2.0 * libm::atan2(q[2], q[3]);
+                            off[0] += (p[1] - place) * (p[1] - place);
+                            off[1] += (turned - place) * (turned - place);
+                            count += 1.0;
+                        }
+                    }
+                    let stated = filter.sine_error(frequency, 1.0 / rate);
+                    for (off, stated) in off.iter().zip(stated) {
+                        let found = (2.0 * off / count).sqrt() / 0.1;
+                        assert!(
+                            (found - stated).abs() < 1e-9,
+                            "{rate} Hz, {predict_s} s, {frequency} Hz: {found} {stated}"
+                        );
+                    }
+                }
+            }
+        }
     }
 
     /// Gain of the discrete filter at a frequency, |α / (1 − (1 − α) e^(−iω T))|, from its difference equation.

@@ -14,7 +14,7 @@ mod term;
 mod text;
 mod unit;
 
-pub use mechanics::{CellSplit, Discretisation, LawName, MethodName};
+pub use mechanics::{CellSplit, Discretisation, Filling, LawName, MethodName};
 pub use platform::{Finish, Interpolation, MotionLimit, Overflow, PluginKind, ToolStatus};
 pub use results::{Category, Direction};
 pub use term::{Term, UnknownTerm};

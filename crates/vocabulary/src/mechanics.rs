@@ -248,6 +248,18 @@ terms! {
     }
 }
 
+terms! {
+    /// How a closed surface is filled with tetrahedra.
+    #[derive(Default)]
+    pub enum Filling {
+        /// A body-centred lattice cut along the surface (isosurface stuffing): the boundary lies on the surface, and the angles of elements are bounded.
+        Stuffing = "stuffing" default,
+        /// A lattice of cubes of five tetrahedra whose boundary is moved onto the surface step by step (dissertation 3.3): fewer elements, flatter ones at
+        /// the surface, and off it at sharp edges.
+        FittedLattice = "fitted-lattice",
+    }
+}
+
 impl CellSplit {
     /// Number of tetrahedra of a cell.
     pub const fn tetrahedra(self) -> usize {

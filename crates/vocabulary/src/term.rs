@@ -122,8 +122,8 @@ macro_rules! terms {
 mod tests {
     use super::*;
     use crate::{
-        Category, CellSplit, Direction, Discretisation, Finish, Interpolation, Language, LawName,
-        MethodName, Overflow, PluginKind, ToolStatus,
+        Category, CellSplit, Direction, Discretisation, Filling, Finish, Interpolation, Language,
+        LawName, MethodName, Overflow, PluginKind, ToolStatus,
     };
     use serde::Serialize;
     use serde::de::DeserializeOwned;
@@ -152,6 +152,7 @@ mod tests {
         check::<CellSplit>();
         check::<Direction>();
         check::<Discretisation>();
+        check::<Filling>();
         check::<Finish>();
         check::<Interpolation>();
         check::<Language>();

@@ -1,8 +1,8 @@
 //! After a run: the verdict, what it rests on, and how it went.
 
+use crate::ledger::Debrief;
 use crate::look;
 use crate::plot::{self, Curve};
-use crate::station::Debrief;
 use crate::text::{self, Phrase, local, number};
 use eframe::egui::{self, Color32, ProgressBar, RichText, ScrollArea, Ui};
 use microsim_report::{MetricEntry, Report, Verdict};
@@ -19,7 +19,8 @@ pub enum Next {
     Back,
 }
 
-fn verdict(verdict: Verdict) -> (Phrase, Color32) {
+/// A verdict in a word, and its colour.
+pub fn verdict(verdict: Verdict) -> (Phrase, Color32) {
     match verdict {
         Verdict::Passed => (text::PASSED, look::GOOD),
         Verdict::Failed => (text::FAILED, look::BAD),
@@ -197,7 +198,7 @@ fn show_metric(ui: &mut Ui, metric: &MetricEntry, language: Language) {
 }
 
 /// Three digits, no more decimals than that.
-fn decimals(value: f64) -> usize {
+pub fn decimals(value: f64) -> usize {
     match value.abs() {
         v if v >= 100.0 || v == 0.0 => 0,
         v if v >= 10.0 => 1,

@@ -3,10 +3,13 @@
 use crate::debrief::{self, Next};
 use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
+use crate::ledger::Debrief;
 use crate::look;
-use crate::station::{Catalogue, Choice, Debrief, LevelEntry, ModuleEntry, Station, TraineeEntry};
+use crate::records::{self, Records};
+use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
 use crate::text;
 use crate::training::{Outcome, Training};
+use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, RichText, Ui};
 use microsim_vocabulary::Language;
 use std::fmt;
@@ -71,7 +74,10 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
 enum Screen {
     Launcher,
     Training(Box<Training>),
+    /// What came of a run, which may be one of long ago.
     Debrief(Box<Debrief>, Choice),
+    Records(Box<Records>),
+    Upkeep,
     /// Why a level did not begin, or has nothing to show.
     Complaint(String),
 }
@@ -83,6 +89,8 @@ struct Desk {
     trainees: Result<Vec<TraineeEntry>, String>,
     launcher: Launcher,
     field: Field,
+    /// Work on the store goes on while other screens are shown.
+    upkeep: Upkeep,
     screen: Screen,
 }
 
@@ -100,6 +108,7 @@ impl Desk {
             trainees: station.trainees(),
             language: opening.language,
             launcher: Launcher::default(),
+            upkeep: Upkeep::default(),
             screen: Screen::Launcher,
             station,
             catalogue,
@@ -159,11 +168,31 @@ impl Desk {
         match self.launcher.show(ui, &offer, self.language) {
             None => {}
             Some(Wanted::Language) => self.language = other(self.language),
+            Some(Wanted::Records) => self.open_records(),
             Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
             Some(Wanted::Begin(choice)) => {
                 let context = ui.ctx().clone();
                 self.begin(choice, &context);
             }
+        }
+    }
+
+    fn open_records(&mut self) {
+        let trainee = self.launcher.trainee.as_deref();
+        let records = Records::new(&*self.station, trainee);
+        self.screen = Screen::Records(Box::new(records));
+    }
+
+    fn open_upkeep(&mut self) {
+        self.upkeep.read(&*self.station);
+        self.screen = Screen::Upkeep;
+    }
+
+    fn show_upkeep(&mut self, ui: &mut Ui) {
+        match self.upkeep.show(ui, &*self.station, self.language) {
+            None => {}
+            Some(upkeep::Wanted::Language) => self.language = other(self.language),
+            Some(upkeep::Wanted::Back) => self.open_records(),
         }
     }
 
@@ -185,6 +214,34 @@ impl Desk {
                 self.launcher.level = choice.level;
                 let context = ui.ctx().clone();
                 self.begin(choice, &context);
+            }
+        }
+    }
+
+    fn show_records(&mut self, ui: &mut Ui) {
+        let Screen::Records(records) = &mut self.screen else {
+            return;
+        };
+        match records.show(ui, &*self.station, self.language) {
+            None => {}
+            Some(records::Wanted::Language) => self.language = other(self.language),
+            Some(records::Wanted::Upkeep) => self.open_upkeep(),
+            Some(records::Wanted::Back) => {
+                // Who is there may have changed.
+                self.trainees = self.station.trainees();
+                let trainees = self.trainees.iter().flatten();
+                let ids: Vec<&String> = trainees.map(|trainee| &trainee.id).collect();
+                self.launcher.trainee = self.launcher.trainee.take().filter(|t| ids.contains(&t));
+                self.screen = Screen::Launcher;
+            }
+            Some(records::Wanted::Debrief(debrief)) => {
+                let session = &debrief.report.session;
+                let choice = Choice {
+                    module: session.module.clone(),
+                    level: session.level,
+                    trainee: self.launcher.trainee.clone(),
+                };
+                self.screen = Screen::Debrief(debrief, choice);
             }
         }
     }
@@ -221,9 +278,16 @@ fn other(language: Language) -> Language {
 
 impl eframe::App for Desk {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        // A file that is dropped where it can be read, or one click before.
+        let takes_files = matches!(self.screen, Screen::Launcher | Screen::Records(_));
+        if takes_files && !ui.input(|input| input.raw.dropped_files.is_empty()) {
+            self.open_upkeep();
+        }
         match &mut self.screen {
             Screen::Launcher => self.show_launcher(ui),
             Screen::Debrief(..) => self.show_debrief(ui),
+            Screen::Records(_) => self.show_records(ui),
+            Screen::Upkeep => self.show_upkeep(ui),
             Screen::Complaint(_) => self.show_complaint(ui),
             Screen::Training(training) => match training.show(ui, &mut self.field, self.language) {
                 None => {}

@@ -1,6 +1,7 @@
 //! The field of the microscope: snapshots drawn into a texture that egui shows.
 
 use crate::live::Snapshot;
+use crate::pace::Times;
 use eframe::egui::TextureId;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
@@ -8,6 +9,7 @@ use microsim_gpu::Gpu;
 use microsim_message::{ObjectScene, ToolPlacements, ToolStates};
 use microsim_render::{Models, Picture, Quality, Renderer, snapshot};
 use microsim_settings::RendererConfig;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Smallest side of a picture \[pixels\].
@@ -55,6 +57,15 @@ impl Field {
         self.renderer.set_quality(Quality::ALL[next]);
     }
 
+    /// Once the picture that was drawn last is finished, adds how long that is since a moment to the delays. Found when the driver is asked next: a picture later at most.
+    pub fn time(&self, since: Instant, delays: &Arc<Mutex<Times>>) {
+        let delays = Arc::clone(delays);
+        self.state.queue.on_submitted_work_done(move || {
+            let mut delays = delays.lock().unwrap_or_else(PoisonError::into_inner);
+            delays.push(since.elapsed().as_secs_f64());
+        });
+    }
+
     /// Draws a snapshot `size` pixels wide and high.
     ///
     /// # Errors
@@ -62,7 +73,7 @@ impl Field {
     pub fn draw(
         &mut self,
         config: &RendererConfig,
-        models: &Models,
+        models: &mut Models,
         snapshot: &Snapshot,
         size: [u32; 2],
     ) -> Result<TextureId, String> {
@@ -111,7 +122,7 @@ impl Field {
 }
 
 /// What is to be seen of a snapshot. Placements count in their own tick alone.
-fn picture_of(config: &RendererConfig, models: &Models, seen: &Snapshot) -> Picture {
+fn picture_of(config: &RendererConfig, models: &mut Models, seen: &Snapshot) -> Picture {
     let objects = seen.latest::<ObjectScene>().unwrap_or_default();
     let tools = seen.latest::<ToolStates>().unwrap_or_default();
     let placements = seen.latest::<ToolPlacements>();

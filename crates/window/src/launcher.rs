@@ -23,6 +23,8 @@ pub struct Launcher {
 pub enum Wanted {
     /// A run of what is chosen.
     Begin(Choice),
+    /// Trainees and results.
+    Records,
     /// The other language.
     Language,
     /// The end.
@@ -65,6 +67,9 @@ impl Launcher {
                         }
                         if ui.button(text::LANGUAGE.of(language)).clicked() {
                             wanted = Some(Wanted::Language);
+                        }
+                        if ui.button(text::RECORDS.of(language)).clicked() {
+                            wanted = Some(Wanted::Records);
                         }
                         self.choose_trainee(ui, offer, language);
                     });

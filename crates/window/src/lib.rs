@@ -6,34 +6,51 @@
 //! - `station`: what a station gives.
 //! - `live`: a run in a thread of its own, paced by the wall clock. The window takes the newest finished snapshot; nothing in the run depends on
 //!   whether and when it is drawn.
+//! - `pace`: how well it follows the wall clock, and how long motions take to the picture.
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture.
-//! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`.
+//! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `records`.
+//! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
+//! - `upkeep`: courses and the store as a whole, with `work` that goes on beside the window's thread.
 //! - `look`: colours and sizes; `text`: all texts.
 //!
 //! Not here: physics, scores, files, the command line. What is drawn is never longer than what a level gave: a window that is slow shows fewer pictures.
 
 #![forbid(unsafe_code)]
 
+mod attempts;
+mod courses;
 mod debrief;
 mod desk;
 mod field;
 mod hands;
 mod launcher;
+mod learning;
+mod ledger;
 mod live;
 mod look;
+mod pace;
 mod panels;
+mod person;
 mod plot;
+mod records;
+mod rows;
 mod scope;
 mod station;
 #[cfg(test)]
 mod tests;
 mod text;
 mod training;
+mod upkeep;
+mod work;
 
 pub use desk::{Opening, WindowError, open};
+pub use ledger::{
+    Attempt, Change, ComparedRow, Comparison, CourseEntry, CourseLevel, CourseProgress, CourseStep,
+    Debrief, Done, Job, Learning, Ledger, Participant, Percentile, Person, Role, Selection,
+    StandingRow, StepState, Work,
+};
 pub use station::{
-    Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Station, ToolEntry,
-    TraineeEntry,
+    Catalogue, Choice, LevelEntry, LiveSession, ModuleEntry, Station, ToolEntry, TraineeEntry,
 };

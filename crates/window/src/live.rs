@@ -1,28 +1,30 @@
 //! A run in a thread of its own, and what the window exchanges with it: wishes for the tools go there, the newest snapshot comes back. No queue of snapshots:
 //! one that was not drawn when the next is finished is dropped.
 
-use crate::station::{Debrief, LiveSession};
+use crate::ledger::Debrief;
+use crate::pace::Pace;
+use crate::station::LiveSession;
 use microsim_bus::{Block, BlockView, Frames, kind_id};
 use microsim_host::run::{Operator, Seen};
 use microsim_message::{
-    DesktopInput, LevelEvent, LevelState, Message, MicroscopeView, ObjectScene, SolverTick,
-    ToolPlacements, ToolStates, decode, push,
+    DesktopInput, InputSample, InputTiming, LevelEvent, LevelState, Message, MicroscopeView,
+    ObjectScene, SolverTick, ToolPlacements, ToolStates, decode, push,
 };
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-
-/// Ticks whose durations are remembered: eight seconds of 8 ms.
-const TICKS: usize = 1000;
+use std::time::Instant;
 
 /// The newest state of a run.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Snapshot {
     /// Its tick.
     pub tick: u64,
     /// Simulated time \[s\].
     pub time: f64,
+    /// When it was finished.
+    pub finished: Instant,
     /// The latest message of each kind that is shown, stamped.
     messages: BTreeMap<u64, Arc<[u8]>>,
     blocks: Vec<Block>,
@@ -42,35 +44,21 @@ impl Snapshot {
     }
 }
 
-/// How well a run follows the wall clock.
-#[derive(Clone, Debug, Default)]
-pub struct Pace {
-    /// Durations of the last ticks \[s\], the newest last.
-    durations: VecDeque<f64>,
-    /// Ticks so far, those that began late, those whose solver did not come to its tolerance, and those whose forces mean nothing.
-    pub ticks: u64,
-    pub late: u64,
-    pub unconverged: u64,
-    pub held: u64,
-}
-
-impl Pace {
-    /// The q-th quantile of the last ticks \[s\].
-    pub fn quantile(&self, q: f64) -> Option<f64> {
-        let mut sorted: Vec<f64> = self.durations.iter().copied().collect();
-        sorted.sort_by(f64::total_cmp);
-        let last = sorted.len().checked_sub(1)?;
-        sorted.get((q * last as f64).round() as usize).copied()
-    }
-}
-
 /// What came of a run that has ended.
 pub type Ended = Result<Box<Debrief>, String>;
+
+/// What mouse and keyboard ask for with the next tick.
+#[derive(Default)]
+struct Wishes {
+    of_tools: Vec<DesktopInput>,
+    /// When the first of it was asked for.
+    since: Option<Instant>,
+}
 
 /// What both threads see.
 #[derive(Default)]
 struct Exchange {
-    wishes: Mutex<Vec<DesktopInput>>,
+    wishes: Mutex<Wishes>,
     view: Mutex<Option<MicroscopeView>>,
     latest: Mutex<Option<Snapshot>>,
     pace: Mutex<Pace>,
@@ -145,8 +133,10 @@ impl Live {
     /// Asks for a motion of a tool with the next tick.
     pub fn wish(&self, wish: DesktopInput) {
         let mut wishes = lock(&self.exchange.wishes);
-        match wishes.iter_mut().find(|earlier| earlier.tool == wish.tool) {
-            None => wishes.push(wish),
+        wishes.since.get_or_insert_with(Instant::now);
+        let mut of_tools = wishes.of_tools.iter_mut();
+        match of_tools.find(|earlier| earlier.tool == wish.tool) {
+            None => wishes.of_tools.push(wish),
             Some(earlier) => {
                 for k in 0..3 {
                     earlier.shift[k] += wish.shift[k];
@@ -220,8 +210,14 @@ impl Seat<'_> {
 
 impl Operator for Seat<'_> {
     fn send(&mut self, frames: &mut Vec<u8>) {
-        for wish in lock(&self.exchange.wishes).drain(..) {
-            push(frames, &wish);
+        let wishes = std::mem::take(&mut *lock(&self.exchange.wishes));
+        for wish in &wishes.of_tools {
+            push(frames, wish);
+        }
+        if let Some(since) = wishes.since {
+            lock(&self.exchange.pace)
+                .waits
+                .push(since.elapsed().as_secs_f64());
         }
         if let Some(view) = lock(&self.exchange.view).take() {
             push(frames, &view);
@@ -236,6 +232,7 @@ impl Operator for Seat<'_> {
 
     fn see(&mut self, seen: Seen<'_>) {
         let mut solver: Option<SolverTick> = None;
+        let mut pace = lock(&self.exchange.pace);
         for frame in Frames::new(seen.log).filter_map(Result::ok) {
             if Self::is_shown(frame.header.kind) {
                 let mut bytes = Vec::new();
@@ -245,25 +242,24 @@ impl Operator for Seat<'_> {
                 lock(&self.exchange.events).push(event);
             } else if let Some(Ok(tick)) = decode::<SolverTick>(&frame) {
                 solver = Some(tick);
+            } else if let Some(Ok(timing)) = decode::<InputTiming>(&frame) {
+                pace.add(&timing);
+            } else if let Some(Ok(sample)) = decode::<InputSample>(&frame) {
+                pace.add_sample(&sample);
             }
         }
-        {
-            let mut pace = lock(&self.exchange.pace);
-            if pace.durations.len() == TICKS {
-                pace.durations.pop_front();
-            }
-            pace.durations.push_back(seen.duration);
-            pace.ticks = seen.tick + 1;
-            pace.late = seen.late_ticks;
-            if let Some(solver) = solver {
-                pace.unconverged += u64::from(solver.unconverged > 0);
-                pace.held += u64::from(!solver.valid);
-            }
+        pace.ticks.push(seen.duration);
+        pace.late = seen.late_ticks;
+        if let Some(solver) = solver {
+            pace.unconverged += u64::from(solver.unconverged > 0);
+            pace.held += u64::from(!solver.valid);
         }
+        drop(pace);
         self.exchange.has_first_tick.store(true, Ordering::Relaxed);
         *lock(&self.exchange.latest) = Some(Snapshot {
             tick: seen.tick,
             time: seen.time,
+            finished: Instant::now(),
             messages: self.messages.clone(),
             blocks: seen.blocks(),
         });

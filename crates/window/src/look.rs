@@ -54,6 +54,7 @@ pub fn apply(context: &egui::Context) {
         visuals.panel_fill = BACKGROUND;
         visuals.window_fill = SURFACE;
         visuals.extreme_bg_color = BACKGROUND;
+        visuals.text_edit_bg_color = Some(SURFACE);
         visuals.override_text_color = Some(TEXT);
         visuals.selection.bg_fill = RAISED;
         visuals.selection.stroke = Stroke::new(1.5, ACCENT);

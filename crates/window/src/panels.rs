@@ -1,7 +1,7 @@
 //! What stands beside the picture: task and events, instruments, how well the computer follows.
 
-use crate::live::Pace;
 use crate::look;
+use crate::pace::{Pace, Times};
 use crate::station::{LevelEntry, ModuleEntry, ToolEntry};
 use crate::text::{self, Phrase, local, number};
 use eframe::egui::{self, RichText, ScrollArea, Ui};
@@ -142,20 +142,45 @@ pub fn help(ui: &mut Ui, language: Language) {
     }
 }
 
-/// Shows how well the run follows the wall clock.
-pub fn pace(ui: &mut Ui, pace: &Pace, pictures: Option<f64>, quality: Quality, language: Language) {
+/// How pictures follow the run.
+#[derive(Clone, Copy, Debug)]
+pub struct Pictures<'a> {
+    /// So many in a second.
+    pub rate: Option<f64>,
+    /// From a snapshot to its picture.
+    pub delays: &'a Times,
+    /// How much is done for each.
+    pub quality: Quality,
+}
+
+/// Shows how well the run follows the wall clock, and the delay of motions by stage: to the tick, of the tick, to the picture.
+pub fn pace(ui: &mut Ui, pace: &Pace, pictures: &Pictures<'_>, language: Language) {
     ui.add_space(6.0);
     ui.label(look::quiet(text::SPEED_OF_RUN.of(language)).strong());
     let shown = |value: Option<f64>, decimals| match value {
         Some(value) => number(value, decimals, language),
         None => "–".to_owned(),
     };
-    let [p50, p99] = [0.5, 0.99].map(|q| shown(pace.quantile(q).map(|t| 1e3 * t), 1));
-    ui.label(look::quiet(format!(
-        "{} p50 {p50}, p99 {p99} ms",
-        text::TICK.of(language)
-    )));
-    let quality = match quality {
+    for (stage, times) in [
+        (text::TO_THE_TICK, &pace.waits),
+        (text::TICK, &pace.ticks),
+        (text::TO_THE_PICTURE, pictures.delays),
+    ] {
+        let [p50, p99] = [0.5, 0.99].map(|q| shown(times.quantile(q).map(|t| 1e3 * t), 1));
+        let stage = stage.of(language);
+        ui.label(look::quiet(format!("{stage} p50 {p50}, p99 {p99} ms")));
+    }
+    if let Some(samples) = pace.samples {
+        ui.label(look::quiet(format!(
+            "{}: {} {} · {} {}",
+            text::SAMPLES.of(language),
+            samples.dropped,
+            text::DROPPED.of(language),
+            samples.late,
+            text::LATE.of(language)
+        )));
+    }
+    let quality = match pictures.quality {
         Quality::Low => text::LOW,
         Quality::Medium => text::MEDIUM,
         Quality::High => text::HIGH,
@@ -165,7 +190,7 @@ pub fn pace(ui: &mut Ui, pace: &Pace, pictures: Option<f64>, quality: Quality, l
         text::QUALITY.of(language),
         quality.of(language)
     )));
-    let rate = shown(pictures, 0);
+    let rate = shown(pictures.rate, 0);
     ui.label(look::quiet(format!(
         "{rate} {} · {} {}",
         text::PICTURES.of(language),

@@ -1,8 +1,8 @@
-//! Curves over time, with what happened marked on them.
+//! Curves over time, with what happened marked on them, and over attempts.
 
 use crate::look;
 use crate::text::number;
-use eframe::egui::{Align2, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use eframe::egui::{Align2, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use microsim_vocabulary::Language;
 
 /// A curve: times \[s\] and values, `None` where it has a gap.
@@ -17,6 +17,80 @@ pub struct Curve {
 const HEIGHT: f32 = 120.0;
 /// Room for the numbers of the vertical axis and the horizontal one \[points\].
 const MARGIN: [f32; 2] = [42.0, 18.0];
+
+/// The frame of a plot: where numbers lie.
+struct Axes {
+    inner: Rect,
+    /// From 0 to this.
+    end: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Axes {
+    /// Takes the room of a plot.
+    fn new(ui: &mut Ui, end: f64, [low, high]: [f64; 2]) -> (Self, Painter) {
+        let size = vec2(ui.available_width(), HEIGHT);
+        let (place, _) = ui.allocate_exact_size(size, Sense::hover());
+        let low_corner = place.min + vec2(MARGIN[0], 4.0);
+        let inner = Rect::from_min_max(low_corner, place.max - vec2(4.0, MARGIN[1]));
+        let painter = ui.painter_at(place);
+        painter.rect_filled(inner, 2.0, look::SURFACE);
+        let positive = |length: f64| if length > 0.0 { length } else { 1.0 };
+        let axes = Self {
+            inner,
+            end: positive(end),
+            low,
+            high: low + positive(high - low),
+        };
+        (axes, painter)
+    }
+
+    fn at(&self, x: f64, y: f64) -> Pos2 {
+        let along = (x / self.end) as f32;
+        let up = ((y - self.low) / (self.high - self.low)) as f32;
+        pos2(
+            self.inner.left() + along * self.inner.width(),
+            self.inner.bottom() - up * self.inner.height(),
+        )
+    }
+
+    /// Numbers and lines of both axes; those of the horizontal one with this unit, without one whole where they are.
+    fn show(&self, painter: &Painter, unit: &str, language: Language) {
+        let font = FontId::proportional(12.0);
+        for part in [0.0, 0.5, 1.0] {
+            let value = self.low + part * (self.high - self.low);
+            let height = self.at(0.0, value).y;
+            painter.hline(self.inner.x_range(), height, Stroke::new(1.0, look::RAISED));
+            let decimals = if self.high - self.low < 10.0 { 1 } else { 0 };
+            let text = number(value, decimals, language);
+            let align = if part == 1.0 {
+                Align2::RIGHT_TOP
+            } else {
+                Align2::RIGHT_BOTTOM
+            };
+            let at = pos2(self.inner.left() - 4.0, height);
+            painter.text(at, align, text, font.clone(), look::QUIET);
+        }
+        for (part, align) in [
+            (0.0, Align2::LEFT_TOP),
+            (0.5, Align2::CENTER_TOP),
+            (1.0, Align2::RIGHT_TOP),
+        ] {
+            let value = part * self.end;
+            let decimals = usize::from(!unit.is_empty() || value.fract() > 0.0);
+            let text = number(value, decimals, language);
+            let at = pos2(self.at(part * self.end, 0.0).x, self.inner.bottom() + 2.0);
+            painter.text(
+                at,
+                align,
+                format!("{text}{unit}"),
+                font.clone(),
+                look::QUIET,
+            );
+        }
+    }
+}
 
 /// Shows curves from 0 to `end` \[s\]; `events` are marked at their times \[s\].
 pub fn show(
@@ -36,73 +110,46 @@ pub fn show(
             ui.label(look::quiet(&curve.name));
         }
     });
-    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let values = curves
         .iter()
         .flat_map(|curve| curve.points.iter().filter_map(|point| point.1));
     let top = values.fold(0.0, f64::max);
-    let top = if top > 0.0 { top } else { 1.0 };
-    let end = if end > 0.0 { end } else { 1.0 };
-    let inner = Rect::from_min_max(
-        place.min + vec2(MARGIN[0], 4.0),
-        place.max - vec2(4.0, MARGIN[1]),
-    );
-    let at = |time: f64, value: f64| -> Pos2 {
-        let (x, y) = ((time / end) as f32, (value / top) as f32);
-        pos2(
-            inner.left() + x * inner.width(),
-            inner.bottom() - y * inner.height(),
-        )
-    };
-    let painter = ui.painter_at(place);
-    painter.rect_filled(inner, 2.0, look::SURFACE);
-    let line = Stroke::new(1.0, look::RAISED);
+    let (axes, painter) = Axes::new(ui, end, [0.0, top]);
     for event in events {
-        painter.line_segment(
-            [at(*event, 0.0), at(*event, top)],
-            Stroke::new(1.0, look::QUIET),
-        );
+        let ends = [axes.at(*event, axes.low), axes.at(*event, axes.high)];
+        painter.line_segment(ends, Stroke::new(1.0, look::QUIET));
     }
-    let font = FontId::proportional(12.0);
-    for part in [0.0, 0.5, 1.0] {
-        let height = at(0.0, part * top).y;
-        painter.hline(inner.x_range(), height, line);
-        let decimals = if top < 10.0 { 1 } else { 0 };
-        let text = number(part * top, decimals, language);
-        let align = if part == 1.0 {
-            Align2::RIGHT_TOP
-        } else {
-            Align2::RIGHT_BOTTOM
-        };
-        painter.text(
-            pos2(inner.left() - 4.0, height),
-            align,
-            text,
-            font.clone(),
-            look::QUIET,
-        );
-    }
-    for part in [0.0, 0.5, 1.0] {
-        let x = at(part * end, 0.0).x;
-        let align =
-            [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP][(part * 2.0) as usize];
-        let text = format!("{} s", number(part * end, 1, language));
-        painter.text(
-            pos2(x, inner.bottom() + 2.0),
-            align,
-            text,
-            font.clone(),
-            look::QUIET,
-        );
-    }
+    axes.show(&painter, " s", language);
     for (index, curve) in curves.iter().enumerate() {
         let stroke = Stroke::new(1.5, look::CURVES[index % look::CURVES.len()]);
         let segments = curve.points.split(|point| point.1.is_none());
         for segment in segments.filter(|segment| segment.len() > 1) {
             let points = segment
                 .iter()
-                .filter_map(|(time, value)| Some(at(*time, (*value)?)));
+                .filter_map(|(time, value)| Some(axes.at(*time, (*value)?)));
             painter.add(Shape::line(points.collect(), stroke));
         }
     }
+}
+
+/// Shows a value after each attempt, from 0 before the first one, between two limits.
+pub fn attempts(ui: &mut Ui, title: &str, values: &[f64], limits: [f64; 2], language: Language) {
+    ui.label(look::quiet(title).strong());
+    let [lower, upper] = limits;
+    let low = values.iter().copied().fold(lower, f64::min);
+    let high = values.iter().copied().fold(upper, f64::max);
+    let (axes, painter) = Axes::new(ui, values.len() as f64, [low, high]);
+    axes.show(&painter, "", language);
+    for (limit, colour) in [(lower, look::GOOD), (upper, look::BAD)] {
+        let ends = [axes.at(0.0, limit), axes.at(axes.end, limit)];
+        painter.line_segment(ends, Stroke::new(1.0, colour));
+    }
+    let points = std::iter::once(&0.0).chain(values).enumerate();
+    let points: Vec<Pos2> = points
+        .map(|(attempt, value)| axes.at(attempt as f64, *value))
+        .collect();
+    for point in &points {
+        painter.circle_filled(*point, 2.5, look::ACCENT);
+    }
+    painter.add(Shape::line(points, Stroke::new(1.5, look::ACCENT)));
 }

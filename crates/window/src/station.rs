@@ -1,10 +1,9 @@
 //! What the window needs of the station at which it is opened.
 
+use crate::ledger::{Debrief, Ledger};
 use microsim_host::run::{Operator, RunOutcome};
 use microsim_message::{LocalText, SetupFile};
-use microsim_report::Report;
 use microsim_settings::{Desktop, RendererConfig};
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// All that can be trained.
@@ -72,7 +71,7 @@ pub struct Choice {
 }
 
 /// A place to train at.
-pub trait Station {
+pub trait Station: Ledger {
     /// What can be trained.
     fn catalogue(&self) -> Catalogue;
 
@@ -115,17 +114,4 @@ pub trait LiveSession: Send {
     /// # Errors
     /// Why there is nothing to show; the session is safe as far as it was recorded.
     fn finish(self: Box<Self>, outcome: &RunOutcome) -> Result<Debrief, String>;
-}
-
-/// What came of a run.
-#[derive(Clone, Debug)]
-pub struct Debrief {
-    /// Its report.
-    pub report: Report,
-    /// The session file.
-    pub session: PathBuf,
-    /// The page of the report.
-    pub page: PathBuf,
-    /// What went wrong without ending it, one sentence each.
-    pub complaints: Vec<String>,
 }

@@ -2,12 +2,11 @@
 
 use crate::debrief;
 use crate::launcher::{Launcher, Offer, Wanted};
-use crate::live::Pace;
+use crate::ledger::Debrief;
 use crate::look;
-use crate::panels::{self, Instrument, Task};
-use crate::station::{
-    Catalogue, Choice, Debrief, LevelEntry, ModuleEntry, ToolEntry, TraineeEntry,
-};
+use crate::pace::{Pace, Samples, Times};
+use crate::panels::{self, Instrument, Pictures, Task};
+use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, ToolEntry, TraineeEntry};
 use eframe::egui::{self, Event, Key, Modifiers, Pos2, RawInput, Rect, Shape, Ui, vec2};
 use microsim_message::{
     CategoryScore, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText, MetricRecord, Pose,
@@ -17,6 +16,9 @@ use microsim_render::Quality;
 use microsim_report::{ReportBuilder, ReportInput};
 use microsim_vocabulary::Language;
 use std::path::PathBuf;
+
+mod records;
+mod upkeep;
 
 const LANGUAGES: [Language; 2] = [Language::German, Language::English];
 const SIZES: [[f32; 2]; 3] = [[1000.0, 640.0], [1280.0, 720.0], [1920.0, 1080.0]];
@@ -259,7 +261,14 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
                 panels::instruments(ui, &[instrument(0), instrument(1)], language);
                 panels::scope(ui, 8.0, language);
                 panels::help(ui, language);
-                panels::pace(ui, &Pace::default(), Some(24.0), Quality::Low, language);
+                let pictures = Pictures {
+                    rate: Some(24.0),
+                    delays: &Times::default(),
+                    quality: Quality::Low,
+                };
+                let mut pace = Pace::default();
+                pace.samples = Some(Samples::default());
+                panels::pace(ui, &pace, &pictures, language);
             });
     };
     everywhere("panels", show);

@@ -18,6 +18,11 @@ impl Phrase {
             Language::English => self.en,
         }
     }
+
+    /// In both languages.
+    pub fn both(self) -> LocalText {
+        LocalText::fixed(self.de, self.en)
+    }
 }
 
 /// A text of a module, level or report in a language.
@@ -55,6 +60,7 @@ phrases! {
     BEGIN: "Beginnen", "Begin";
     LANGUAGE: "English", "Deutsch";
     QUIT: "Beenden", "Quit";
+    RECORDS: "Trainierende und Ergebnisse", "Trainees and results";
     LOCKED: "noch gesperrt", "still locked";
     INSTRUMENTS: "Instrumente", "Instruments";
     LEVEL: "Stufe", "Level";
@@ -85,6 +91,10 @@ phrases! {
     KEYS: "Tab: andere Hand · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · +, −, 0: Vergrößerung · I, J, K, L: Bild verschieben · Esc: Pause", "Tab: other hand · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · +, −, 0: magnification · I, J, K, L: move the view · Esc: pause";
     SPEED_OF_RUN: "Rechner", "Computer";
     TICK: "Tick", "tick";
+    TO_THE_TICK: "bis zum Tick", "to the tick";
+    TO_THE_PICTURE: "bis zum Bild", "to the picture";
+    SAMPLES: "Proben", "samples";
+    DROPPED: "verworfen", "dropped";
     PICTURES: "Bilder/s", "pictures/s";
     LATE: "verspätet", "late";
     UNCONVERGED: "nicht auskonvergiert", "not converged";
@@ -108,6 +118,94 @@ phrases! {
     SESSION: "Aufzeichnung", "Session";
     NO_PICTURE: "Kein Bild", "No picture";
     NOT_BEGUN: "Die Stufe konnte nicht beginnen", "The level could not begin";
+
+    ALL_GROUPS: "alle Gruppen", "all groups";
+    EVERYBODY: "Alle", "Everybody";
+    SEARCH: "Name suchen", "Find a name";
+    NEW_NAME: "neuer Name", "new name";
+    ADD: "Hinzufügen", "Add";
+    SESSIONS: "Aufzeichnungen", "sessions";
+    ONE_SESSION: "Aufzeichnung", "session";
+    RESULTS: "Ergebnisse", "Results";
+    LEARNING: "Lernkurve", "Learning curve";
+    COURSES: "Kurse", "Courses";
+    DETAILS: "Angaben", "Details";
+    COMPARE: "A und B vergleichen", "Compare A and B";
+    SHOW_DEBRIEF: "Auswertung", "Debrief";
+    TO_THE_LIST: "Zur Liste", "Back to the list";
+    MARK_TWO: "Zwei Versuche anklicken", "Click two attempts";
+    NO_RESULTS: "noch keine Ergebnisse", "no results yet";
+    NOT_SAME_LEVEL: "Nicht dieselbe Stufe: Werte verschiedener Aufgaben stehen nebeneinander", "Not the same level: values of different tasks are side by side";
+    OUTSIDE: "! außerhalb der Grenze der Stufe", "! outside the limit of the level";
+    BETTER: "besser", "better";
+    WORSE: "schlechter", "worse";
+    EXPORT_THESE: "Diese exportieren", "Export these";
+    EXPORT_GROUP: "Gruppe exportieren", "Export the group";
+    WITH_NAMES: "mit Namen", "with names";
+    FILE: "Datei (.csv, .parquet)", "File (.csv, .parquet)";
+    SESSIONS_ARE_IN: "Aufzeichnungen sind in", "sessions are in";
+    ACCEPTABLE: "annehmbar: Fehlerrate", "acceptable: failure rate";
+    UNACCEPTABLE: "nicht annehmbar:", "not acceptable:";
+    NOT_DECIDED: "noch nicht entschieden", "not decided yet";
+    IS_ACCEPTABLE: "annehmbar ab Versuch", "acceptable from attempt";
+    IS_UNACCEPTABLE: "nicht annehmbar ab Versuch", "not acceptable from attempt";
+    CUSUM_EXPLAINED: "Sinkt mit jedem bestandenen Versuch und steigt mit jedem nicht bestandenen.", "Falls with each attempt that was passed and rises with each that was not.";
+    PERCENTILES: "Letzter Versuch in Perzentilen", "Last attempt in percentiles";
+    NO_POPULATION: "Keine Vergleichswerte für diese Stufe; sie kommen aus einer CSV-Datei (Kurse und Daten)", "No population for this level; they come from a CSV file (Courses and data)";
+    ENROL: "Aufnehmen", "Enrol";
+    NO_COURSE: "nimmt an keinem Kurs teil", "takes no course";
+    MASTERED_WITH: "beherrscht mit Versuch", "mastered with attempt";
+    IS_OPEN: "offen", "open";
+    IS_NEXT: "als Nächstes", "next";
+    IN_A_ROW: "in Folge", "in a row";
+    UNLOCK: "Öffnen", "Unlock";
+    NAME: "Name", "Name";
+    RENAME: "Umbenennen", "Rename";
+    ROLE: "Rolle", "Role";
+    ROLE_TRAINEE: "Trainierende", "trainee";
+    ROLE_INSTRUCTOR: "Lehrende", "instructor";
+    ROLE_OPERATOR: "Bedienung", "operator";
+    GROUPS: "Gruppen", "Groups";
+    TAKE_OUT: "Entfernen", "Take out";
+    PUT_IN: "In die Gruppe", "Put in group";
+    REMOVE: "Entfernen", "Remove";
+    REMOVE_EXPLAINED: "Anonym: der Name geht, die Ergebnisse bleiben. Gelöscht: alles geht, auch die Dateien.", "Anonymous: the name goes and results stay. Erased: everything goes, files as well.";
+    ANONYMISE: "Anonymisieren …", "Anonymise …";
+    ERASE: "Löschen …", "Erase …";
+    NAME_GOES: "der Name geht, für immer", "the name goes, for good";
+    FILES_GO: "Dateien gehen, für immer", "files go, for good";
+    FOR_GOOD: "Für immer entfernen", "Remove for good";
+    CANCEL: "Abbrechen", "Cancel";
+
+    UPKEEP: "Kurse und Daten", "Courses and data";
+    BACK_TO_RECORDS: "Zu den Ergebnissen", "Back to the results";
+    NO_COURSES: "noch kein Kurs: unten eine Kursdatei einlesen", "no course yet: read the file of one below";
+    CHOOSE_COURSE: "Einen Kurs anklicken", "Click a course";
+    IN_ORDER: "Eine Stufe öffnet sich, wenn die davor beherrscht ist", "A level opens when the one before it is mastered";
+    ALL_OPEN: "Alle Stufen sind offen", "All levels are open";
+    PASSES_IN_A_ROW: "× in Folge bestanden", "passes in a row";
+    ONE_PASS: "× bestanden", "pass";
+    LEVELS_OF_IT: "Stufen", "levels";
+    LEVEL_OF_IT: "Stufe", "level";
+    TAKEN_BY: "Teilnehmende Gruppen", "Groups that take it";
+    BY_THEMSELVES: "einzeln aufgenommen", "enrolled by themselves";
+    NO_GROUP_TAKES_IT: "keine Gruppe", "no group";
+    ENROL_GROUP: "Gruppe aufnehmen", "Enrol group";
+    REMOVE_COURSE: "Kurs entfernen …", "Remove course …";
+    COURSE_GOES: "der Kurs geht, mit Teilnahmen und geöffneten Stufen; Ergebnisse bleiben", "the course goes, with enrolments and unlocked levels; results stay";
+    READ_FILE: "Einlesen", "Read in";
+    READ_EXPLAINED: "Kurs (.toml), Vergleichswerte (.csv) oder exportierte Daten (.json): Pfad eintippen oder Datei auf das Fenster ziehen", "Course (.toml), population (.csv) or exported data (.json): type its path, or drop the file onto the window";
+    PATH_TO_READ: "Pfad einer Datei", "path of a file";
+    EXPORT_ALL: "Alles exportieren", "Export all";
+    PATH_OF_FOLDER: "noch ein Ordner mit Aufzeichnungen, wenn gewünscht", "one more folder with sessions, if wanted";
+    REBUILD: "Neu aufbauen", "Rebuild";
+    CHECK_STORE: "Prüfen", "Check";
+    REBUILD_EXPLAINED: "Neu aufbauen: Ergebnisse aus allen Aufzeichnungen neu lesen. Prüfen: ist die Datenbank unbeschädigt?", "Rebuild: read the results from all sessions again. Check: is the database intact?";
+    NOT_DONE: "Nicht ausgeführt:", "Not done:";
+    PASSED_TIME: "vergangen", "passed";
+    ABOUT_LEFT: "noch etwa", "left about";
+    ONE_AT_A_TIME: "Eine Datei nach der anderen: es liegt nur die erste bereit", "One file at a time: only the first one is ready";
+    NOT_UTF8: "Der Pfad ist kein UTF-8-Text", "The path is not UTF-8 text";
 }
 
 #[cfg(test)]

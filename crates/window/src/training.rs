@@ -3,7 +3,8 @@
 use crate::field::Field;
 use crate::hands::Hands;
 use crate::live::{Ended, Live, Snapshot};
-use crate::panels::{Instrument, Task};
+use crate::pace::Times;
+use crate::panels::{Instrument, Pictures, Task};
 use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
 use crate::text;
@@ -14,6 +15,7 @@ use microsim_render::{Models, Quality};
 use microsim_settings::RendererConfig;
 use microsim_vocabulary::Language;
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Width of a panel \[points\].
@@ -40,6 +42,8 @@ pub struct Training {
     complaint: Option<String>,
     /// When the last pictures were drawn.
     drawn: VecDeque<Instant>,
+    /// From snapshots to their pictures.
+    delays: Arc<Mutex<Times>>,
 }
 
 /// What the trainee or operator asked for, or what came of the run.
@@ -89,6 +93,7 @@ impl Training {
             picture: None,
             complaint: None,
             drawn: VecDeque::new(),
+            delays: Arc::default(),
         })
     }
 
@@ -168,6 +173,8 @@ impl Training {
             })
             .collect();
         let pace = self.live.pace();
+        let delays = self.delays.lock();
+        let delays = delays.unwrap_or_else(PoisonError::into_inner).clone();
         let panel = egui::Panel::right("instruments")
             .exact_size(PANEL)
             .resizable(false);
@@ -177,7 +184,12 @@ impl Training {
             if hands.is_some() {
                 panels::help(ui, language);
             }
-            panels::pace(ui, &pace, self.rate(), quality, language);
+            let pictures = Pictures {
+                rate: self.rate(),
+                delays: &delays,
+                quality,
+            };
+            panels::pace(ui, &pace, &pictures, language);
         });
     }
 
@@ -195,10 +207,13 @@ impl Training {
         if let Some(snapshot) = &self.snapshot
             && (is_new || self.picture.is_none())
         {
-            match field.draw(&self.config, &self.models, snapshot, size) {
+            match field.draw(&self.config, &mut self.models, snapshot, size) {
                 Ok(picture) => {
                     self.picture = Some(picture);
                     self.complaint = None;
+                    if is_new && self.has_begun {
+                        field.time(snapshot.finished, &self.delays);
+                    }
                     self.drawn.push_back(Instant::now());
                     if self.drawn.len() > RATED {
                         self.drawn.pop_front();

@@ -249,7 +249,9 @@ impl Coordination {
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
         for (index, mark) in self.site.marks.iter().enumerate() {
-            if run.is_done(&mark.name) || state.probes.apart(index, index + 1, block) != Some(true)
+            if run.is_done(&mark.name)
+                || state.probes.apart(index, index + 1, block) != Some(true)
+                || !state.cuts.is_cut_at(index)
             {
                 continue;
             }

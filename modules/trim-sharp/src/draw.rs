@@ -1,4 +1,4 @@
-//! How fast forceps draw what they hold.
+//! How fast forceps draw what they grip. What slides through their jaws is drawn, too: a jerk tears tissue out of them.
 
 use microsim_sdk::message::ToolState;
 use serde::{Deserialize, Serialize};
@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 /// Time over which a speed is the mean \[s\]: half a period of 10 Hz, above which no motion of a hand is meant.
 const WINDOW: f64 = 0.05;
 
-/// The motion of one tool since it has held the vessel without interruption.
+/// The motion of one tool since it has gripped the vessel without interruption.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Course {
     /// Times \[s\] and places of the tip \[m\], over [`WINDOW`] and the last one before it.
     places: Vec<(f64, [f64; 3])>,
 }
 
-/// The speeds of all tools that hold.
+/// The speeds of all tools that grip.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct DrawSpeed {
     courses: Vec<Course>,
@@ -22,11 +22,11 @@ pub(crate) struct DrawSpeed {
 }
 
 impl DrawSpeed {
-    /// In a tick that ends at `time` \[s\]; for each tool that can hold its state, and whether it holds the vessel.
+    /// In a tick that ends at `time` \[s\]; for each tool that can grip its state, and whether it grips the vessel.
     pub fn update(&mut self, time: f64, tools: &[(Option<&ToolState>, bool)]) {
         self.courses.resize(tools.len(), Course::default());
-        for (course, (tool, holds)) in self.courses.iter_mut().zip(tools) {
-            let Some(tool) = tool.filter(|_| *holds) else {
+        for (course, (tool, grips)) in self.courses.iter_mut().zip(tools) {
+            let Some(tool) = tool.filter(|_| *grips) else {
                 course.places.clear();
                 continue;
             };

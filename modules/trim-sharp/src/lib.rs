@@ -14,7 +14,8 @@ mod trimmed;
 
 use layers::{ADVENTITIA, MEDIA};
 use microsim_sdk::message::{
-    ContactForces, LocalText, SolverTick, TISSUE_ELEMENTS, TISSUE_SNAPSHOT, TissueCut, ToolStates,
+    ContactForce, ContactForces, GRIP_MIN, LocalText, SolverTick, TISSUE_ELEMENTS, TISSUE_SNAPSHOT,
+    TissueCut, ToolStates,
 };
 use microsim_sdk::tissue::{VesselAxis, VesselWall, colour, mark_places, show_colour, tissue_of};
 use microsim_sdk::{
@@ -59,7 +60,7 @@ fn is_valid(tick: &Tick<'_>) -> Result<bool, Fault> {
 }
 
 impl TrimSharp {
-    /// Grips and forces of a tick, and how fast what is held is drawn.
+    /// Grips and forces of a tick, and how fast what is gripped is drawn.
     fn touch(
         &self,
         state: &mut State,
@@ -73,14 +74,21 @@ impl TrimSharp {
             .update(tick, &self.body, &self.holders, true)?;
         state.grips.update(tick, &self.body, &self.holders)?;
         let held_piece = wall.held_piece();
-        let holds: Vec<bool> = state
-            .contacts
-            .held
-            .iter()
-            .map(|grips| grips.iter().any(|grip| grip.pieces.contains(&held_piece)))
-            .collect();
-        if holds.contains(&true) {
+        if state.contacts.holds(held_piece) {
             state.held_at = Some(tick.time());
+        }
+        if is_valid(tick)? {
+            let forces = tick.messages::<ContactForces>()?;
+            let contacts = forces.iter().flat_map(|of| &of.contacts);
+            let of_vessel: Vec<&ContactForce> = contacts
+                .filter(|of| of.body == self.body && of.pieces.contains(&held_piece))
+                .collect();
+            state.touched = !of_vessel.is_empty();
+            let is_gripped = |name: &String| {
+                let mut contacts = of_vessel.iter();
+                contacts.any(|of| of.partner == *name && of.grip_force >= GRIP_MIN)
+            };
+            state.gripped = self.holders.iter().map(is_gripped).collect();
         }
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         let of_holders: Vec<_> = self
@@ -89,16 +97,10 @@ impl TrimSharp {
             .enumerate()
             .map(|(k, name)| {
                 let tool = tools.iter().find(|tool| tool.tool == *name);
-                (tool, holds.get(k).copied().unwrap_or(false))
+                (tool, state.gripped.get(k).copied().unwrap_or(false))
             })
             .collect();
         state.draw.update(tick.time(), &of_holders);
-        if is_valid(tick)? {
-            let forces = tick.messages::<ContactForces>()?;
-            let mut contacts = forces.iter().flat_map(|of| &of.contacts);
-            state.touched =
-                contacts.any(|of| of.body == self.body && of.pieces.contains(&held_piece));
-        }
         state.started |= state.contacts.touched;
         if state.contacts.was_held && !was_held {
             run.event(tick, "grip", text("Gegriffen", "Gripped"));

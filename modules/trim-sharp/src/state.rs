@@ -28,6 +28,8 @@ pub struct State {
     pub(crate) held_at: Option<f64>,
     /// Whether a tool touched what is held in the clamp, in the last tick that means something.
     pub(crate) touched: bool,
+    /// For each holder, whether its jaws gripped what is held in the clamp then, be it that it slid through them.
+    pub(crate) gripped: Vec<bool>,
     pub(crate) trimmed: Option<Trimmed>,
     pub(crate) stay: Dwell,
     /// Of the mark.
@@ -50,6 +52,7 @@ impl State {
             held_cut: 0.0,
             held_at: None,
             touched: false,
+            gripped: Vec::new(),
             trimmed: None,
             stay: Dwell::new(keys.stay)?,
             colour: colour::CURRENT,

@@ -26,7 +26,7 @@ pub struct PictureRenderer {
 impl PictureRenderer {
     fn picture(
         config: &RendererConfig,
-        models: &Models,
+        models: &mut Models,
         tick: &Tick<'_>,
     ) -> Result<Picture, Fault> {
         let objects = tick.latest::<ObjectScene>()?.unwrap_or_default();
@@ -71,10 +71,13 @@ impl Plugin for PictureRenderer {
             return Err(Fault::new("not initialised"));
         };
         for request in tick.messages::<PictureRequest>()? {
-            let picture = Self::picture(config, &self.models, tick)?;
-            let image = renderer
+            let picture = Self::picture(config, &mut self.models, tick)?;
+            let mut image = renderer
                 .draw(&picture)
                 .map_err(|error| Fault::new(error.to_string()))?;
+            if let Some(caption) = &config.caption {
+                image.write_caption(caption);
+            }
             let written = image.write_png(Path::new(&request.file));
             written
                 .map_err(|error| Fault::new(format!("cannot write {}: {error}", request.file)))?;

@@ -291,10 +291,11 @@ def attempts_in(folder: str | os.PathLike[str]) -> list[Attempt]:
     for path in sorted(Path(folder).glob("*.session")):
         try:
             with Session.open(path) as session:
-                found.append(session.attempt(str(path)))
+                start = (session.header["started"], session.header.get("started_subsec_ns", 0), str(path))
+                found.append((start, session.attempt(str(path))))
         except (NotASession, NotMessagePack) as error:
             raise NotASession(f"{path}: {error}") from error
-    return sorted(found, key=lambda attempt: (attempt.started, attempt.path))
+    return [attempt for _, attempt in sorted(found, key=lambda pair: pair[0])]
 
 
 def _table(payload: bytes) -> dict[str, Any]:

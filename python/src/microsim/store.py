@@ -22,7 +22,7 @@ from .attempt import Attempt
 # `application_id` of the file: MSIM.
 APPLICATION = 0x4D53494D
 # The last version of the tables that this package knows.
-VERSION = 1
+VERSION = 2
 
 
 class NotAStore(ValueError):
@@ -62,6 +62,8 @@ class Store:
             raise NotAStore("it is no store of MicroSim")
         if not 1 <= version <= VERSION:
             raise NotAStore(f"tables of version {version}; this package reads versions 1 to {VERSION}")
+        # Version 1 has no order within a second.
+        self._start = "session.started, session.started_subsec_ns" if version > 1 else "session.started"
 
     @classmethod
     def open(cls, path: str | os.PathLike[str]) -> Store:
@@ -134,7 +136,7 @@ class Store:
             "SELECT session.key, session.id, session.path, trainee.id, session.module, session.level, session.started,"
             " session.verdict, session.counts, session.synthetic, session.score, session.duration FROM session"
             " LEFT JOIN trainee ON trainee.key = session.trainee"
-            f" WHERE {' AND '.join(parts)} ORDER BY session.started, session.id",
+            f" WHERE {' AND '.join(parts)} ORDER BY {self._start}, session.id",
             values,
         )
         for key, *row in sessions:

@@ -165,7 +165,7 @@ impl Passage {
 }
 
 /// Measures and describes it; the drawings with their names.
-pub fn measure(text: &mut String) -> Result<Vec<(&'static str, String)>, String> {
+pub fn measure(text: &mut String) -> Result<crate::Drawings, String> {
     let _ = writeln!(
         text,
         "\n## 4.3: broad phase\n\nTwo identical tubes (252 nodes and 702 tetrahedra each in the dissertation), 3 mm aside and turned by 10°, pass into each other by 30 mm in {POSITIONS} positions. \
@@ -243,11 +243,11 @@ pub fn measure(text: &mut String) -> Result<Vec<(&'static str, String)>, String>
     Ok(vec![
         (
             "broad_phase.svg",
-            log_log("tetrahedra of a tube", "ms", &lines),
+            log_log("tetrahedra of a tube", "ms", &lines).into_bytes(),
         ),
         (
             "hash_cells.svg",
-            log_log("edge of a cell over the mean edge", "ms", &cells_lines),
+            log_log("edge of a cell over the mean edge", "ms", &cells_lines).into_bytes(),
         ),
     ])
 }

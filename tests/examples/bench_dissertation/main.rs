@@ -3,23 +3,38 @@
 //!
 //! `cargo xtask bench dissertation -- broad-phase` prints single sections.
 //!
-//! Here is what has a section of its own: broad phase and response of contact (its section 4.3). Forces, integrators and cutting as printed are not here yet.
+//! Here is what has a section of its own: meshes (its 3.3), springs (3.4, 4.1, 4.2), change of topology (3.7, 4.2.1), broad phase and response of contact (4.3), levels in the
+//! variant `dissertation`.
 
 mod broad_phase;
+mod failures;
+mod five_bodies;
+mod meshes;
+mod overview;
 mod plot;
 mod response;
+mod springs;
+mod topology;
+mod variant;
 
 use std::process::ExitCode;
 
-/// A section: its name and what measures it, with the names of its drawings.
-type Section = (
-    &'static str,
-    fn(&mut String) -> Result<Vec<(&'static str, String)>, String>,
-);
+/// Files of a section beside the page: names and bytes.
+type Drawings = Vec<(&'static str, Vec<u8>)>;
 
-const SECTIONS: [Section; 2] = [
+/// A section: its name and what measures it.
+type Section = (&'static str, fn(&mut String) -> Result<Drawings, String>);
+
+const SECTIONS: [Section; 9] = [
+    ("overview", overview::list),
+    ("failures", failures::run),
+    ("meshes", meshes::measure),
+    ("springs", springs::measure),
+    ("topology", topology::measure),
     ("broad-phase", broad_phase::measure),
     ("response", response::measure),
+    ("five-bodies", five_bodies::draw),
+    ("variant", variant::measure),
 ];
 
 /// Measures the sections of these names, or all of them, and prints them. Only all together are written to files.
@@ -46,14 +61,14 @@ fn measure(names: &[String]) -> Result<(), String> {
     }
     let results = microsim_tests::repository().join("tests/results");
     let folder = results.join("dissertation");
-    let write = |path: &std::path::Path, text: &str| {
+    let write = |path: &std::path::Path, text: &[u8]| {
         std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
     };
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     for (name, drawing) in drawings {
         write(&folder.join(name), &drawing)?;
     }
-    write(&results.join("dissertation.md"), &text)
+    write(&results.join("dissertation.md"), text.as_bytes())
 }
 
 fn main() -> ExitCode {

@@ -9,13 +9,13 @@ const BODIES: usize = 5;
 const PAIRS: usize = 16;
 
 /// Simulated time \[s\], and from when on all should rest.
-const DURATION: f64 = 2.0;
+pub const DURATION: f64 = 2.0;
 const AT_REST: f64 = 1.5;
 
 /// Stiffnesses of penalties \[N/m\]: Young's modulus times the mean edge of the blocks, as stiff as what is pressed on, and more.
 const STIFFNESSES: [f64; 3] = [60.0, 600.0, 6000.0];
 
-/// Penalties in the order of the dissertation's story, by their depth.
+/// Penalties in the order of the dissertation, by their depth.
 const PENALTIES: [(&str, &str); 2] = [
     ("nearest surface point", "depth=nearest"),
     ("consistent depth", "depth=consistent"),
@@ -38,7 +38,7 @@ const OTHERS: [(&str, &[&str]); 3] = [
 ];
 
 /// The overrides of a run.
-fn settings(stiffness: Option<f64>, keys: &[&str]) -> Vec<String> {
+pub fn settings(stiffness: Option<f64>, keys: &[&str]) -> Vec<String> {
     let mut set = vec![
         "method={name=\"velocity-verlet-lagged\"}".to_owned(),
         "run.step=0.1ms".to_owned(),
@@ -61,7 +61,7 @@ fn settings(stiffness: Option<f64>, keys: &[&str]) -> Vec<String> {
 }
 
 /// Measures and describes it.
-pub fn measure(text: &mut String) -> Result<Vec<(&'static str, String)>, String> {
+pub fn measure(text: &mut String) -> Result<crate::Drawings, String> {
     let _ = writeln!(
         text,
         "\n## 4.3: response\n\nThe scene `five-bodies` with the dissertation's integrator (`velocity-verlet-lagged`, steps of 0.1 ms), without friction, {DURATION} s. A penalty is a spring to the surface midway between; \

@@ -6,7 +6,8 @@
 //!
 //! It may be stopped: what was played lies beside the built tree, the page is that of the levels so far, and the same SECONDS and SEED with the same tree go on from there.
 //!
-//! `-- --script MODULE LEVEL PROFILE SEED SECONDS` prints the script of one player, which `microsim run MODULE --level LEVEL --input script:FILE` plays.
+//! `-- --script MODULE LEVEL PROFILE SEED SECONDS` prints the script of one player, which `microsim run MODULE --level LEVEL --input script:FILE` plays; on a variant,
+//! `LEVEL.NAME` here and `--variant NAME` there, players move as on the level.
 //!
 //! Ends with status 1 if a run breaks off without a report; what else is not met stands in the page.
 
@@ -80,7 +81,7 @@ fn main() -> ExitCode {
 }
 
 fn print_script(player: &Player) -> Result<(), String> {
-    let stage = Stage::read(&player.module, player.level)?;
+    let stage = Stage::read(&player.module, &player.level)?;
     print!("{}", hand::script(player, &stage).0);
     Ok(())
 }
@@ -101,7 +102,7 @@ fn soak(seconds: f64, first_seed: u64, guard: Guard) -> Result<bool, String> {
             for profile in permitted {
                 let player = Player {
                     module: stage.module.clone(),
-                    level: stage.level,
+                    level: stage.level.clone(),
                     profile: *profile,
                     seed: first_seed + round,
                     seconds: length,

@@ -384,8 +384,9 @@ impl Order {
 fn levels_of(module: &str) -> Result<Vec<u32>, String> {
     let folder = tree().join("modules").join(module).join("levels");
     let entries = std::fs::read_dir(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    // Beside them may lie a folder of meshes.
-    let files = entries.flatten().filter(|entry| entry.path().is_file());
+    // Beside them may lie a folder of meshes, and variants.
+    let is_level = |path: &std::path::Path| path.is_file() && !microsim_tests::is_variant(path);
+    let files = entries.flatten().filter(|entry| is_level(&entry.path()));
     Ok((1..=files.count() as u32).collect())
 }
 

@@ -165,7 +165,7 @@ pub fn script(player: &Player, stage: &Stage) -> (String, Vec<Track>) {
         "# A random player of the soak of hands.\nmodule = \"{}\"\nlevel = {}\nrate = \"{RATE} Hz\"\ninterpolation = \"linear\"\n\
          synthetic = \"random player, profile {}, seed {}\"\n",
         player.module,
-        player.level,
+        player.level.number,
         player.profile.name(),
         player.seed
     );

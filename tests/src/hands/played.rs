@@ -169,7 +169,11 @@ pub fn play(
     let file = |extension: &str| script.with_extension(extension);
     let [session, trace, out, err] = ["session", "trace", "out", "err"].map(file);
     let mut run = command(["run", &player.module, "--json", "--no-pictures", "--level"]);
-    run.arg(player.level.to_string()).arg("--input");
+    run.arg(player.level.number.to_string());
+    if let Some(variant) = &player.level.variant {
+        run.arg("--variant").arg(variant);
+    }
+    run.arg("--input");
     run.arg(format!("script:{}", script.display()));
     run.arg("--session")
         .arg(&session)

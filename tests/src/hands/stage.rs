@@ -3,7 +3,11 @@
 use crate::tree;
 use microsim_settings::{Unit, load_script, load_tool};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::num::ParseIntError;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use toml::{Table, Value};
 
 /// Poses with the tip no farther from the tissue than this are at work on it \[m\]. Blades reach beyond the edge that they cut.
@@ -82,13 +86,58 @@ pub struct Tool {
     pub grip: f64,
 }
 
+/// A level of a module, or a variant of it: `2`, `2.dissertation`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct LevelName {
+    /// From 1.
+    pub number: u32,
+    /// The variant.
+    pub variant: Option<String>,
+}
+
+impl FromStr for LevelName {
+    type Err = ParseIntError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (number, variant) = match text.split_once('.') {
+            Some((number, variant)) => (number, Some(variant.to_owned())),
+            None => (text, None),
+        };
+        let number = number.parse()?;
+        Ok(Self { number, variant })
+    }
+}
+
+impl TryFrom<String> for LevelName {
+    type Error = ParseIntError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse()
+    }
+}
+
+impl From<LevelName> for String {
+    fn from(level: LevelName) -> Self {
+        level.to_string()
+    }
+}
+
+impl fmt::Display for LevelName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.number)?;
+        let mut variant = self.variant.iter();
+        variant.try_for_each(|name| write!(f, ".{name}"))
+    }
+}
+
 /// A level as a player sees it.
 #[derive(Clone, Debug)]
 pub struct Stage {
     /// The module.
     pub module: String,
-    /// The level, from 1.
-    pub level: u32,
+    /// The level.
+    pub level: LevelName,
     /// Time of a tick \[s\].
     pub tick: f64,
     /// Its tools.
@@ -98,12 +147,13 @@ pub struct Stage {
 }
 
 /// The file of a level in the built tree.
-pub fn level_file(module: &str, level: u32) -> PathBuf {
+pub fn level_file(module: &str, level: &LevelName) -> PathBuf {
     tree().join(format!("modules/{module}/levels/level{level}.toml"))
 }
 
-/// The script that passes it.
-pub fn passing_script(module: &str, level: u32) -> PathBuf {
+/// The script that passes it; a variant has those of its level.
+pub fn passing_script(module: &str, level: &LevelName) -> PathBuf {
+    let level = level.number;
     tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"))
 }
 
@@ -111,7 +161,7 @@ pub fn passing_script(module: &str, level: u32) -> PathBuf {
 ///
 /// # Errors
 /// The file that cannot be read, and why.
-pub fn is_known(module: &str, level: u32) -> Result<bool, String> {
+pub fn is_known(module: &str, level: &LevelName) -> Result<bool, String> {
     let path = level_file(module, level);
     let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let file: Table = text
@@ -126,7 +176,7 @@ impl Stage {
     ///
     /// # Errors
     /// The file that cannot be read, and why.
-    pub fn read(module: &str, level: u32) -> Result<Self, String> {
+    pub fn read(module: &str, level: &LevelName) -> Result<Self, String> {
         let path = level_file(module, level);
         let wrong = |what: &str| format!("{}: {what}", path.display());
         let text = std::fs::read_to_string(&path).map_err(|e| wrong(&e.to_string()))?;
@@ -184,7 +234,7 @@ impl Stage {
         }
         Ok(Self {
             module: module.to_owned(),
-            level,
+            level: level.clone(),
             tick: tick.ok_or_else(|| wrong("no tick"))?,
             tools,
             tissue,

@@ -139,7 +139,7 @@ fn a_store_of_a_later_version_is_left_alone() {
         &station,
         "1",
         run,
-        "version 7 and this MicroSim knows versions up to 1",
+        "version 7 and this MicroSim knows versions up to 2",
     );
     for args in [
         &["results"][..],

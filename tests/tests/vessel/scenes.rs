@@ -1,5 +1,5 @@
 //! The shipped scenes of the carotid: the numbers that stand in their files are those of the tube, here computed again. That the scenes come to
-//! them is tested with all others (`crates/scene/tests/shipped_scenes.rs`).
+//! them is tested with all others (`crates/scene/tests/shipped_scenes/`).
 
 use crate::law::law_of;
 use microsim_settings::{Body, Scene, load_scene};

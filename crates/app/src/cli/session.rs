@@ -16,6 +16,9 @@ pub struct RunArgs {
     /// Level, from 1
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = parse_level)]
     pub level: u32,
+    /// Variant of the level, as `microsim list` shows it: the same task with other methods; no result of the level, and left out of the store
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// Where the motion comes from: script:FILE, recording:FILE (CSV with its TOML, or a session), openigtlink://HOST:PORT (a tracker) or plugin:NAME
     #[arg(long, value_name = "SOURCE", value_parser = parse_input)]
     pub input: Input,
@@ -72,8 +75,8 @@ pub struct RunArgs {
     pub trace: Option<PathBuf>,
     /// Print one JSON document
     ///
-    /// Keys: module, level, seed, verdict, counts, synthetic, failed, score, targets_done, targets, ticks, solver, implausible, late_ticks,
-    /// markers, arrivals, state_hash, physics_digest, session, session_id, trainee, stored, report, pictures, failure. With --explain: module, level, tick_s, steps, plugins, parts, without,
+    /// Keys: module, level, variant, seed, verdict, counts, synthetic, failed, score, targets_done, targets, ticks, solver, implausible, late_ticks,
+    /// markers, arrivals, state_hash, physics_digest, session, session_id, trainee, stored, report, pictures, failure. With --explain: module, level, variant, tick_s, steps, plugins, parts, without,
     /// settings_of_station
     #[arg(long)]
     pub json: bool,

@@ -20,6 +20,9 @@ pub struct WindowArgs {
     /// Level, from 1
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = parse_level)]
     pub level: u32,
+    /// Variant of that level, as `microsim list` shows it, which takes its place in this window
+    #[arg(long, value_name = "NAME", requires = "module")]
+    pub variant: Option<String>,
     /// Who trains: name or id of a trainee in the store
     #[arg(long, value_name = "NAME")]
     pub trainee: Option<String>,
@@ -39,6 +42,7 @@ impl Default for WindowArgs {
         Self {
             module: None,
             level: 1,
+            variant: None,
             trainee: None,
             input: Input::Desktop,
             lang: None,

@@ -39,6 +39,10 @@ pub fn heading(file: &SceneFile, path: &Path) -> String {
             "until it rests, {} at most",
             Unit::Time.describe(scene.run.duration)
         ),
+        settings::End::Divergence => format!(
+            "which is to diverge within {}",
+            Unit::Time.describe(scene.run.duration)
+        ),
     };
     lines.push(format!(
         "  method    {}, step {}, {end}",
@@ -105,6 +109,10 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
             advice(runner, &diverged.what)
         ),
         Some(End::Rest) => format!("Rests after {}", Unit::Time.describe(round(time))),
+        _ if file.stable_unexpectedly() => format!(
+            "Did not diverge within {}, which was expected",
+            Unit::Time.describe(scene.run.duration)
+        ),
         _ if file.restless() => file.restless_sentence(),
         _ => format!("Simulated {}", Unit::Time.describe(round(time))),
     };

@@ -1,7 +1,9 @@
 //! Random cuts, with everything checked after every step. The test takes a sample, the example as many as it is asked for.
 
 use crate::bodies::{Body, Kind};
-use microsim_cutting::{Blade, Cut, Settings, Sheet, Stroke, Sweep, check};
+use microsim_cutting::{
+    Blade, Cut, Rejected, Settings, Sheet, Stroke, Sweep, TopologyChange, check,
+};
 use microsim_random::SplitMix64;
 use nalgebra::{Matrix3, Vector3};
 
@@ -126,6 +128,7 @@ impl Watch for () {}
 
 /// Cuts one body several times; one in eight up to `most` times.
 pub fn cut_body(
+    change: TopologyChange,
     seed: u64,
     most: u64,
     summary: &mut Summary,
@@ -145,6 +148,7 @@ pub fn cut_body(
             ..Settings::default()
         };
     }
+    body.settings.change = change;
     let strokes = if random.below(8) == 0 {
         most
     } else {
@@ -196,6 +200,12 @@ pub fn cut_body(
                 let snips = random.below(3) == 0;
                 for (k, pair) in times.windows(2).enumerate() {
                     if snips && random.below(3) == 0 {
+                        let at = k as f64 / times.len() as f64;
+                        let at = if manner == 2 { 0.0 } else { at };
+                        let places = body.mesh.positions.iter().map(|p| swing.at(at, p));
+                        let places: Vec<V3> = places.collect();
+                        let ended = body.end(&mut stroke, &places, summary, watch);
+                        ended.map_err(|e| context(format!("drawn back at step {k}: {e}")))?;
                         stroke = Stroke::new();
                     }
                     // Manner 2: the tissue rests.
@@ -226,12 +236,19 @@ pub fn cut_body(
                 }
             }
         }
+        let rest = body.mesh.positions.clone();
+        body.end(&mut stroke, &rest, summary, watch)
+            .map_err(context)?;
         summary.strokes += 1;
         if complete && plane {
             summary.complete += 1;
             // Edges of the first stroke are separated exactly but for those that are too short to be divided, where the
             // path strays by half an edge. Later on flakes stay on, on lips that may be oblique: of an edge, half as long again.
             let snapped = match (number, summary.snapped - snapped_before) {
+                // What is taken away reaches as far as the elements that were cut.
+                _ if change == TopologyChange::Remove => 1.5 * body.longest_edge(),
+                // Nothing is divided: a tip of less than half an edge may stay on.
+                (0, 0) if change == TopologyChange::SplitAtFaces => 0.5 * body.longest_edge(),
                 (0, 0) => 0.0,
                 (0, _) => 0.5 * body.longest_edge(),
                 _ => 1.5 * body.longest_edge(),
@@ -259,12 +276,43 @@ impl Body {
         summary: &mut Summary,
         watch: &mut impl Watch,
     ) -> Result<(), String> {
+        let cut = self.topology.cut(&self.mesh, stroke, blade, &self.settings);
+        match cut {
+            // A blade may pass through all elements of a small body in one step.
+            Err(Rejected::NothingLeft) => Ok(()),
+            Err(error) => Err(error.to_string()),
+            Ok(None) => Ok(()),
+            Ok(Some(cut)) => self.made(&cut, summary, watch),
+        }
+    }
+
+    /// What still waits in a stroke that ends is cut.
+    fn end(
+        &mut self,
+        stroke: &mut Stroke,
+        positions: &[V3],
+        summary: &mut Summary,
+        watch: &mut impl Watch,
+    ) -> Result<(), String> {
+        let Self {
+            mesh,
+            topology,
+            settings,
+            ..
+        } = self;
+        let cut = topology.conclude_stroke(mesh, stroke, positions, settings);
+        cut.map_or(Ok(()), |cut| self.made(&cut, summary, watch))
+    }
+
+    /// Makes a cut and checks all that is left.
+    fn made(
+        &mut self,
+        cut: &Cut,
+        summary: &mut Summary,
+        watch: &mut impl Watch,
+    ) -> Result<(), String> {
         let settings = self.settings;
         let before = self.measures.clone();
-        let cut = self.topology.cut(&self.mesh, stroke, blade, &settings);
-        let Some(cut) = cut.map_err(|e| e.to_string())? else {
-            return Ok(());
-        };
         self.mesh.apply(&cut.edit).map_err(|e| e.to_string())?;
         let now = check(&self.mesh, &self.topology).map_err(|e| format!("{e:?}"))?;
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(b.abs());
@@ -293,7 +341,10 @@ impl Body {
                 }
             }
         }
-        if now.parts < before.parts || now.parts != before.parts + cut.pieces.len() {
+        // Of an earlier piece nothing may be left where elements are taken away.
+        let removes = settings.change == TopologyChange::Remove;
+        let (least, most) = (before.parts, before.parts + cut.pieces.len());
+        if now.parts > most || (!removes && now.parts != most.max(least)) {
             return Err(format!(
                 "{} parts from {}, {} pieces",
                 now.parts,
@@ -323,12 +374,31 @@ impl Body {
         summary.lost += cut.lost_volume / now.volume;
         summary.least_volume = summary.least_volume.min(least);
         self.measures = now;
-        watch.edited(self, &cut)
+        watch.edited(self, cut)
     }
 }
 
 /// At least `strokes` strokes, up to `most` in a body.
 pub fn run(
+    strokes: usize,
+    seed: u64,
+    most: u64,
+    watch: &mut impl Watch,
+    report: impl FnMut(&Summary),
+) -> Result<Summary, String> {
+    run_with(
+        TopologyChange::default(),
+        strokes,
+        seed,
+        most,
+        watch,
+        report,
+    )
+}
+
+/// The same with another change of topology.
+pub fn run_with(
+    change: TopologyChange,
     strokes: usize,
     seed: u64,
     most: u64,
@@ -342,7 +412,7 @@ pub fn run(
     let mut body = 0;
     while summary.strokes < strokes {
         let seed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(body);
-        cut_body(seed, most, &mut summary, watch)?;
+        cut_body(change, seed, most, &mut summary, watch)?;
         body += 1;
         report(&summary);
     }

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 
 /// A closed grid of `n` × `m` quadrilaterals, closed around in both directions: a torus about z.
-fn torus(major: f64, minor: f64, n: u32, m: u32) -> TriangleSurface {
+pub(super) fn torus(major: f64, minor: f64, n: u32, m: u32) -> TriangleSurface {
     let mut surface = TriangleSurface::default();
     for i in 0..n {
         let u = 2.0 * PI * f64::from(i) / f64::from(n);
@@ -27,7 +27,7 @@ fn torus(major: f64, minor: f64, n: u32, m: u32) -> TriangleSurface {
 }
 
 /// A sphere about the origin: the faces of an octahedron cut into n² triangles, pushed out.
-fn sphere(radius: f64, n: i32) -> TriangleSurface {
+pub(super) fn sphere(radius: f64, n: i32) -> TriangleSurface {
     let mut index = std::collections::BTreeMap::new();
     let mut surface = TriangleSurface::default();
     let mut node = |p: [i32; 3]| -> u32 {
@@ -62,7 +62,7 @@ fn sphere(radius: f64, n: i32) -> TriangleSurface {
     surface
 }
 
-fn cuboid(size: [f64; 3]) -> TriangleSurface {
+pub(super) fn cuboid(size: [f64; 3]) -> TriangleSurface {
     let positions = (0..8)
         .map(|bits| Vector3::from_fn(|axis, _| size[axis] * (f64::from(bits >> axis & 1) - 0.5)))
         .collect();
@@ -84,7 +84,7 @@ fn cuboid(size: [f64; 3]) -> TriangleSurface {
     }
 }
 
-fn moved(
+pub(super) fn moved(
     mut surface: TriangleSurface,
     axis: [f64; 3],
     angle: f64,

@@ -28,6 +28,8 @@ pub(super) struct Document {
     pub textures: Vec<TextureEntry>,
     #[serde(default)]
     pub images: Vec<Image>,
+    #[serde(default)]
+    pub samplers: Vec<Sampler>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -117,6 +119,8 @@ pub(super) struct Buffer {
 pub(super) struct Material {
     #[serde(default)]
     pub pbr_metallic_roughness: Surface,
+    pub alpha_mode: Option<String>,
+    pub alpha_cutoff: Option<f32>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -137,6 +141,14 @@ pub(super) struct TextureInfo {
 #[derive(Debug, Deserialize)]
 pub(super) struct TextureEntry {
     pub source: Option<usize>,
+    pub sampler: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Sampler {
+    pub wrap_s: Option<u32>,
+    pub wrap_t: Option<u32>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -186,6 +198,9 @@ impl Document {
     }
     pub fn texture(&self, index: usize) -> Result<&TextureEntry, ModelError> {
         of(&self.textures, "texture", index)
+    }
+    pub fn sampler(&self, index: usize) -> Result<&Sampler, ModelError> {
+        of(&self.samplers, "sampler", index)
     }
     pub fn image(&self, index: usize) -> Result<&Image, ModelError> {
         of(&self.images, "image", index)

@@ -1,10 +1,10 @@
 //! The scene of a glTF file as nodes and parts.
 
 use super::bytes::Buffers;
-use super::document::{Document, Node as Entry, Primitive};
+use super::document::{Document, Material, Node as Entry, Primitive};
 use crate::affine::Affine;
 use crate::error::{Flaw, ModelError, flawed};
-use crate::mesh::{MAX_CORNERS, MAX_NODES, Model, Node, Part, unit};
+use crate::mesh::{MAX_CORNERS, MAX_NODES, Mask, Model, Node, Part, unit};
 use crate::numbers::{coordinate, point};
 
 const TRIANGLES: u32 = 4;
@@ -118,7 +118,8 @@ fn part(
     part.triangles = triangles(primitive.mode.unwrap_or(TRIANGLES), &indices)?;
     part.check()?;
     if let Some(material) = primitive.material {
-        let surface = &document.material(material)?.pbr_metallic_roughness;
+        let material = document.material(material)?;
+        let surface = &material.pbr_metallic_roughness;
         let colour = surface.base_color_factor.map(|[r, g, b, _]| [r, g, b]);
         let is_colour = |c: &f32| (0.0..=1.0).contains(c);
         if colour.is_some_and(|colour| !colour.iter().all(is_colour)) {
@@ -135,11 +136,50 @@ fn part(
             }
             part.texture = Some(texture.index).filter(|_| !part.coordinates.is_empty());
         }
+        let mask = mask(material)?;
+        match (mask, part.texture) {
+            // Of one opacity everywhere: all of it is there, or nothing.
+            (Some(mask), None) if mask.factor < mask.cutoff => part.triangles.clear(),
+            (_, None) => {}
+            (mask, Some(_)) => part.mask = mask,
+        }
     }
     if part.normals.is_empty() {
         part.set_normals(FLAT);
     }
     Ok(part)
+}
+
+/// What of a surface is there (glTF 2.0, 3.9.4); `None` if all of it is.
+fn mask(material: &Material) -> Result<Option<Mask>, ModelError> {
+    let factor = material.pbr_metallic_roughness.base_color_factor;
+    match material.alpha_mode.as_deref() {
+        None | Some("OPAQUE") => Ok(None),
+        Some("MASK") => {
+            let mask = Mask {
+                cutoff: material.alpha_cutoff.unwrap_or(0.5),
+                factor: factor.map_or(1.0, |[.., opacity]| opacity),
+            };
+            if !(mask.cutoff >= 0.0 && mask.cutoff.is_finite()) {
+                return flawed(Flaw::NotANumber, "an alphaCutoff below 0");
+            }
+            match (0.0..=1.0).contains(&mask.factor) {
+                true => Ok(Some(mask)),
+                false => flawed(Flaw::NotANumber, "an opacity outside of 0 to 1"),
+            }
+        }
+        Some("BLEND") => flawed(
+            Flaw::NotRead,
+            "a material of alphaMode BLEND; OPAQUE and MASK are drawn",
+        ),
+        Some(other) => {
+            let other: String = other.chars().take(60).collect();
+            flawed(
+                Flaw::Broken,
+                format!("a material of alphaMode {other}; expected OPAQUE, MASK or BLEND"),
+            )
+        }
+    }
 }
 
 fn triangles(mode: u32, indices: &[u32]) -> Result<Vec<[u32; 3]>, ModelError> {

@@ -2,7 +2,7 @@
 
 mod refused;
 
-use microsim_model::{Affine, Flaw, Model, ModelError, Part, read, references};
+use microsim_model::{Affine, Flaw, Mask, Model, ModelError, Part, Wrap, read, references};
 use serde_json::{Value, json};
 
 fn alone(name: &str, bytes: &[u8]) -> Result<Model, ModelError> {
@@ -303,6 +303,48 @@ fn png() -> Vec<u8> {
     writer.write_image_data(&pixels).expect("memory");
     writer.finish().expect("memory");
     bytes
+}
+
+/// Wrap modes by their numbers in glTF 2.0 (5.26), cutoffs with the default of the form, opacities of materials; what is of one opacity below the cutoff everywhere is not there.
+#[test]
+fn textures_wrap_and_surfaces_are_cut_out() {
+    let (_, data) = gltf_parts();
+    let picture = png();
+    let read = |document: &Value| {
+        let bytes = glb(document, &data);
+        read("a.glb", &bytes, &|_| Some(&picture)).expect("a cube")
+    };
+    let textured = || textured(json!({ "uri": "a.png" }));
+    let plain = read(&textured());
+    assert_eq!(plain.textures[0].wrap, [Wrap::Repeat; 2]);
+    assert_eq!(plain.parts[0].mask, None);
+    let mut document = textured();
+    document["samplers"] = json!([{}, { "wrapS": 33_648, "wrapT": 33_071, "magFilter": 9728 }]);
+    document["textures"][0]["sampler"] = json!(1);
+    let wrap = read(&document).textures[0].wrap;
+    assert_eq!(wrap, [Wrap::Mirrored, Wrap::Clamp]);
+
+    let mut document = textured();
+    document["materials"][0]["alphaMode"] = json!("MASK");
+    let [cutoff, factor] = [0.5, 1.0];
+    assert_eq!(read(&document).parts[0].mask, Some(Mask { cutoff, factor }));
+    document["materials"][0]["alphaCutoff"] = json!(0.25);
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, 0.75]);
+    let mask = read(&document).parts[0].mask;
+    let [cutoff, factor] = [0.25, 0.75];
+    assert_eq!(mask, Some(Mask { cutoff, factor }));
+
+    for opacity in [0.5, 0.49] {
+        let (mut document, _) = gltf_parts();
+        document["materials"][0]["alphaMode"] = json!("MASK");
+        let colour = json!([1, 1, 1, opacity]);
+        document["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = colour;
+        // A file without anything to be seen is refused.
+        match alone("a.glb", &glb(&document, &data)) {
+            Ok(model) => assert!(opacity == 0.5 && model.parts[0].mask.is_none()),
+            Err(error) => assert!(opacity == 0.49 && error.flaw == Flaw::Broken, "{error}"),
+        }
+    }
 }
 
 /// The same cube with a picture, in a buffer of its own file or beside it.

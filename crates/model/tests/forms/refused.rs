@@ -1,7 +1,7 @@
 //! Broken files of each form, by the flaw for which they are refused, and changed bytes at random.
 
 use crate::{alone, altered, flaw, glb, gltf_parts, obj, png, stl, stl_text, textured};
-use microsim_model::{Flaw, MAX_BYTES, MAX_TEXTURE, read_texture};
+use microsim_model::{Flaw, MAX_BYTES, MAX_TEXTURE, read, read_texture};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -122,10 +122,29 @@ fn broken_gltf_is_refused_by_its_flaw() {
             json!([2.0, 0.0, 0.0, 1.0]),
             Flaw::NotANumber,
         ),
+        ("/materials/0/alphaMode", json!("BLEND"), Flaw::NotRead),
+        ("/materials/0/alphaMode", json!("mask"), Flaw::Broken),
         ("/nodes", json!("none"), Flaw::Broken),
     ] {
         let bytes = altered(pointer, value.clone());
         assert_eq!(flaw("a.glb", &bytes), expected, "{pointer} {value}");
+    }
+    let blend = altered("/materials/0/alphaMode", json!("BLEND"));
+    let why = alone("a.glb", &blend).expect_err("translucent");
+    assert!(why.to_string().contains("alphaMode BLEND"), "{why}");
+    let mut masked = gltf_parts().0;
+    masked["materials"][0]["alphaMode"] = json!("MASK");
+    masked["materials"][0]["alphaCutoff"] = json!(-0.5);
+    assert_eq!(flaw("a.glb", &glb(&masked, &data)), Flaw::NotANumber);
+    let picture = json!({ "uri": "a.png" });
+    for (sampler, mode, expected) in [(0, 10_496, Flaw::Broken), (1, 10_497, Flaw::NoSuchIndex)] {
+        let mut wrapped = textured(picture.clone());
+        wrapped["textures"][0]["sampler"] = json!(sampler);
+        wrapped["samplers"] = json!([{ "wrapS": mode }]);
+        let (bytes, picture) = (glb(&wrapped, &data), png());
+        let found = read("a.glb", &bytes, &|_| Some(&picture));
+        let error = found.expect_err("a sampler");
+        assert_eq!(error.flaw, expected, "{sampler} {mode}");
     }
     let jpeg = textured(json!({ "uri": "a.jpg", "mimeType": "image/jpeg" }));
     assert_eq!(flaw("a.glb", &glb(&jpeg, &data)), Flaw::NotRead);

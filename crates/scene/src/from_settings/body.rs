@@ -10,7 +10,7 @@ use crate::spec::{
 };
 use microsim_mesh::format::{MeshFormat, SurfaceFormat, read_surface, read_tet_mesh};
 use microsim_mesh::{
-    Arc, Block, GradeError, Grading, Layer, PARTS, TetMesh, Tube, TubeSide, Zone, fill,
+    Arc, Block, GradeError, Grading, Layer, PARTS, TetMesh, Tube, TubeSide, Zone, fill, fit_lattice,
 };
 use microsim_settings as settings;
 use microsim_tissue::elements::{Bond, Cohesion, CouplingConstants, SlidingConstants};
@@ -422,7 +422,13 @@ fn from_file(
     let cells = (bounds.max - bounds.min).map(|side| (side / cell).ceil().max(1.0));
     allowed(6.0 * cells.product())
         .map_err(|cause| FromSettingsError::new(key.key("fill"), cause))?;
-    fill(&import.surface, cell).map_err(|e| wrong(FromSettingsCause::Fill(e)))
+    let filled = match body.filling.unwrap_or_default() {
+        settings::Filling::Stuffing => fill(&import.surface, cell),
+        settings::Filling::FittedLattice => {
+            fit_lattice(&import.surface, cell).map(|fitted| fitted.mesh)
+        }
+    };
+    filled.map_err(|e| wrong(FromSettingsCause::Fill(e)))
 }
 
 /// Whether a body may have so many tetrahedra.

@@ -3,10 +3,11 @@
 use super::Load;
 use super::error::{FromSettingsCause, FromSettingsError, missing};
 use crate::spec::{
-    CapsuleSpec, ContactResponse, ContactSpec, CutSpec, IrrigationSpec, Jaw, ObstacleSpec,
-    PartnerSpec, ToolKeySpec, ToolSpec,
+    CapsuleSpec, ContactResponse, ContactSpec, CutSpec, CutTrigger, Grip, IrrigationSpec, Jaw,
+    ObstacleSpec, PartnerSpec, ToolKeySpec, ToolSpec,
 };
 use microsim_contact::{BroadPhaseMethod, Depth, ObstaclePart, ObstacleShape};
+use microsim_cutting::TopologyChange;
 use microsim_geometry::Pose;
 use microsim_settings as settings;
 use nalgebra::Vector3;
@@ -44,6 +45,7 @@ pub(super) fn capsules(
             jaw,
             lonor: part.lonor,
             edge: part.edge,
+            lonor_offset: part.lonor_offset,
         }
     });
     capsules.collect()
@@ -177,6 +179,10 @@ pub(super) fn contacts(
             friction: pair.friction,
             force_limit: pair.force_limit.unwrap_or(f64::INFINITY),
             response: response(pair, index)?,
+            grip: match pair.grip {
+                settings::Grip::Friction => Grip::Friction,
+                settings::Grip::Box => Grip::Box,
+            },
         })
     });
     specs.collect()
@@ -204,8 +210,17 @@ fn response(
 /// What cuts what.
 pub(super) fn cuts(pairs: &[settings::CutPair]) -> Vec<CutSpec> {
     let specs = pairs.iter().map(|pair| CutSpec {
-        body: pair.body.clone(),
-        tool: pair.tool.clone(),
+        topology: match pair.topology {
+            settings::CutTopology::Remove => TopologyChange::Remove,
+            settings::CutTopology::SplitAtFaces => TopologyChange::SplitAtFaces,
+            settings::CutTopology::SemiProgressive => TopologyChange::SemiProgressive,
+            settings::CutTopology::Progressive => TopologyChange::Progressive,
+        },
+        trigger: match pair.trigger {
+            settings::CutTrigger::Force => CutTrigger::Force,
+            settings::CutTrigger::Penetration => CutTrigger::Penetration,
+        },
+        ..CutSpec::new(&pair.body, &pair.tool)
     });
     specs.collect()
 }

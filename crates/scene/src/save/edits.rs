@@ -5,7 +5,10 @@ use crate::body::{Body, CutTally};
 use crate::edits::Edit;
 use crate::lonor::BladeState;
 use crate::pieces::Pieces;
-use microsim_cutting::{PassedNode, PathPoints, Stroke, Swept, Topology, TopologyState, check};
+use microsim_cutting::{
+    Crossing, PassedNode, PathPoints, Stroke, Swept, Topology, TopologyChange, TopologyState,
+    Waiting, check,
+};
 use microsim_mesh::{CutFace, NewNode, Replacement, Side, TopologyEdit};
 use std::collections::BTreeMap;
 
@@ -92,8 +95,9 @@ pub(super) fn edit(reader: &mut Reader<'_>) -> Result<Edit, RestoreError> {
     })
 }
 
-/// State and strokes of a cut: capsules in tissue (u32), closed parts (u32 whether there is one, 2 × f64), strokes.
-pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState) {
+/// State and strokes of a cut: capsules in tissue (u32), closed parts (u32 whether there is one, 2 × f64), strokes; of a semi-progressive one with the edges that
+/// wait (2 × u32, f64, three flags u32, 3 × f64).
+pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState, topology: TopologyChange) {
     put_list(bytes, &blade.inside, |bytes, capsule| {
         put_u32(bytes, *capsule)
     });
@@ -118,10 +122,23 @@ pub(super) fn put_blade(bytes: &mut Vec<u8>, blade: &BladeState) {
         put_vector(bytes, &stroke.points.sum);
         let products = stroke.points.products.iter();
         products.for_each(|product| put_f64(bytes, *product));
+        if topology == TopologyChange::SemiProgressive {
+            let waiting: Vec<_> = stroke.waiting.iter().collect();
+            put_list(bytes, &waiting, |bytes, (edge, of)| {
+                put_numbers(bytes, *edge);
+                put_f64(bytes, of.crossing.fraction);
+                let flags = [of.crossing.positive, of.crossing.is_certain, of.forward];
+                put_numbers(bytes, &flags.map(u32::from));
+                put_vector(bytes, &of.crossing.normal);
+            });
+        }
     });
 }
 
-pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeState, RestoreError> {
+pub(super) fn blade(
+    reader: &mut Reader<'_>,
+    topology: TopologyChange,
+) -> Result<BladeState, RestoreError> {
     Ok(BladeState {
         inside: reader.list(Reader::u32)?,
         closed: reader.list(|r| {
@@ -156,11 +173,32 @@ pub(super) fn blade(reader: &mut Reader<'_>) -> Result<BladeState, RestoreError>
                         products
                     },
                 },
+                waiting: match topology {
+                    TopologyChange::SemiProgressive => {
+                        r.list(waiting)?.into_iter().collect::<BTreeMap<_, _>>()
+                    }
+                    _ => BTreeMap::new(),
+                },
             };
             Ok((line, stroke))
         })?,
         leaving: Vec::new(),
     })
+}
+
+/// An edge that waits.
+fn waiting(reader: &mut Reader<'_>) -> Result<([u32; 2], Waiting), RestoreError> {
+    let edge = reader.numbers()?;
+    let fraction = reader.f64()?;
+    let flags: [u32; 3] = reader.numbers()?;
+    let [positive, is_certain, forward] = flags.map(|flag| flag != 0);
+    let crossing = Crossing {
+        fraction,
+        positive,
+        is_certain,
+        normal: reader.vector()?,
+    };
+    Ok((edge, Waiting { crossing, forward }))
 }
 
 /// What cuts have made of a body, besides its edits: divided u64, rejected u64, lost volume f64, number of pieces u32, the piece of each

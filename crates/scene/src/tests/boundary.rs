@@ -48,10 +48,7 @@ fn bars() -> SceneSpec {
         name: "upper".into(),
         end_planes: false,
     };
-    let cut = |body: &str| CutSpec {
-        body: body.into(),
-        tool: "blade".into(),
-    };
+    let cut = |body: &str| CutSpec::new(body, "blade");
     SceneSpec {
         bodies: vec![bar("lower", 0.0), bar("upper", 1.05e-3)],
         tools: vec![ToolSpec {

@@ -6,6 +6,7 @@ use microsim_tissue::law::LawName;
 use microsim_tissue::{ContinuumConstants, Discretisation};
 
 mod hard;
+mod methods;
 mod saved;
 
 const NEWTON: Newton = Newton {
@@ -86,10 +87,7 @@ fn tool(name: &str, sharpness: f64, capsules: Vec<CapsuleSpec>) -> ToolSpec {
 }
 
 fn cut(tool: &str) -> CutSpec {
-    CutSpec {
-        body: "bar".into(),
-        tool: tool.into(),
-    }
+    CutSpec::new("bar", tool)
 }
 
 fn spec(body: BodySpec, tool: ToolSpec, touches: bool, method: Method) -> SceneSpec {

@@ -113,10 +113,7 @@ fn fluid_leaves_where_a_blade_has_divided_the_vessel() {
         irrigation: None,
         ..irrigator()
     };
-    spec.cuts = vec![CutSpec {
-        body: "vessel".into(),
-        tool: "blade".into(),
-    }];
+    spec.cuts = vec![CutSpec::new("vessel", "blade")];
     let mut scene = Scene::new(&spec).unwrap();
     let (tick, steps) = (1e-3, scene.required_steps(1e-3));
     let place = |k: i32| Pose {

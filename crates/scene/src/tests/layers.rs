@@ -138,10 +138,7 @@ fn with_blade(mut spec: SceneSpec) -> SceneSpec {
         irrigation: None,
         motion: Vec::new(),
     });
-    spec.cuts.push(CutSpec {
-        body: "plate".into(),
-        tool: "blade".into(),
-    });
+    spec.cuts.push(CutSpec::new("plate", "blade"));
     spec
 }
 

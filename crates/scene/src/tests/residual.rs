@@ -215,10 +215,7 @@ fn a_stretched_bar_that_is_cut_draws_back_into_its_parts() {
     };
     let mut scene = Scene::new(&SceneSpec {
         tools: vec![blade],
-        cuts: vec![CutSpec {
-            body: "bar".into(),
-            tool: "blade".into(),
-        }],
+        cuts: vec![CutSpec::new("bar", "blade")],
         gravity: [0.0; 3],
         ..SceneSpec::new(vec![body], Method::StoermerVerlet)
     })

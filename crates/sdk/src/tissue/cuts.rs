@@ -127,6 +127,17 @@ impl CutLog {
         Assignment::Mark { index, first }
     }
 
+    /// Whether the tissue, once it is apart on both sides of a mark, was cut there: tools have cut at the mark, and opened at least half as much
+    /// there as was opened away from all marks or tore by itself. What came apart elsewhere, or tore, is no cut at the mark, nor does a snip there
+    /// make it one. What was cut in ticks that were not valid has no area.
+    pub fn is_cut_at(&self, mark: usize) -> bool {
+        let cuts = self.marks.get(mark).filter(|cuts| !cuts.is_empty());
+        cuts.is_some_and(|cuts| {
+            let area: f64 = cuts.iter().map(|cut| cut.area).sum();
+            area >= 0.5 * (self.elsewhere + self.torn)
+        })
+    }
+
     /// What is known so far. The cut of a mark is where most of it was cut: openings whose middle is farther than `width` \[m\] from the
     /// plane of all of them, which has their mean normal and lies where half of their area is on either side, and from the plane that the
     /// mark asks for as well, are stray, so that a good cut does not make up for a wound beside it. The plane of a single one does not
@@ -243,6 +254,31 @@ mod tests {
                 assert_eq!(found.distance, Some(0.0));
                 assert!((found.stray - 0.3e-6).abs() < 1e-18, "{}", found.stray);
             }
+        }
+    }
+
+    /// A mark is cut by a cut at it, also beside a wound; neither by one elsewhere, nor by a snip at the mark after it, nor by a tear.
+    #[test]
+    fn a_mark_is_cut_by_what_is_cut_there() {
+        let (far, good, snip) = (
+            cut(4e-3, 1.2e-6, [1.0, 0.0, 0.0]),
+            cut(0.0, 1.2e-6, [1.0, 0.0, 0.0]),
+            cut(0.0, 0.1e-6, [1.0, 0.0, 0.0]),
+        );
+        let tear = TissueCut {
+            tool: String::new(),
+            ..good.clone()
+        };
+        let is_cut = |cuts: &[&TissueCut]| {
+            let mut log = CutLog::default();
+            for cut in cuts {
+                log.assign(cut, &[mark()], 1.2e-3, |_| false);
+            }
+            log.is_cut_at(0)
+        };
+        assert!(is_cut(&[&good]) && is_cut(&[&far, &good]));
+        for cuts in [&[][..], &[&far], &[&far, &snip], &[&tear], &[&tear, &snip]] {
+            assert!(!is_cut(cuts), "{cuts:?}");
         }
     }
 

@@ -7,8 +7,11 @@ use std::collections::BTreeSet;
 
 /// Keys that are optional in the schema, but needed by the type where they stand in the examples: one of a few must be
 /// there, which the checks see to.
-const CONDITIONAL: [&str; 19] = [
+const CONDITIONAL: [&str; 22] = [
+    "contact[].grip",
     "contact[].response",
+    "cut[].topology",
+    "cut[].trigger",
     "physics.broad_phase",
     "run.broad_phase",
     "object[].radius",

@@ -102,7 +102,7 @@ fn what_is_wrong_in_a_tree_is_named() {
             at("modules/m/module.toml")
         ),
         format!(
-            "{}: found a file that is no level, expected only level<N>.toml here, with N from 1, and the folder `meshes`",
+            "{}: found a file that is no level, expected only level<N>.toml and level<N>.VARIANT.toml here, with N from 1, and the folder `meshes`",
             at("modules/m/levels/notes.txt")
         ),
         format!(

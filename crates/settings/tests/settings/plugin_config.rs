@@ -178,6 +178,32 @@ fn only_what_is_configured_crosses() {
     assert_eq!(config.filters[0].parameters.predict, 0.0);
 }
 
+/// No tool is shown further ahead than it may be unseen: with the default of `stale_after`, and with one that is written behind it.
+#[test]
+fn predictions_reach_no_further_than_a_tool_is_current() {
+    let text = |predict: &str| {
+        format!("[[filter]]\ndevice = \"right\"\nparameters = {{ predict = \"{predict}\" }}\n")
+    };
+    let read = |text: &str| read_translator(text, "translator.toml").map_err(|e| e.to_string());
+    assert!(read(&text("100 ms")).is_ok());
+    let refused = read(&text("120 ms")).expect_err("too far ahead");
+    assert_eq!(
+        refused,
+        "translator.toml:3:26: key `filter[0].parameters.predict`: found 120 ms, expected at most 100 ms, after which a tool without samples is \
+         stale (`stale_after`)"
+    );
+    let longer = format!("stale_after = \"150 ms\"\n{}", text("120 ms"));
+    assert!(read(&longer).is_ok());
+    let shorter = format!("stale_after = \"5 ms\"\n{}", text("10 ms"));
+    let refused = read(&shorter).expect_err("too far ahead");
+    assert!(
+        refused.contains(":4:26:") && refused.contains("at most 5 ms"),
+        "{refused}"
+    );
+    let far = read(&text("300 ms")).expect_err("beyond the range");
+    assert!(far.contains("key `filter[0].parameters.predict`"), "{far}");
+}
+
 /// Markers are devices of a source, and what they make up drives the tool; a marker in two instruments, or markers on a line, are refused with their line.
 #[test]
 fn markers_make_up_a_device() {

@@ -58,6 +58,7 @@ fn session(number: u64, trainee: Option<u64>, passed: bool) -> Session {
         module: "touch-spheres".into(),
         level: 1,
         started: 10_000 + number as i64,
+        started_subsec_ns: 0,
         simulated: 12.5,
         finished: true,
         seed: u64::MAX - number,
@@ -156,6 +157,23 @@ fn what_is_entered_is_found_again_to_the_bit() {
     store.enter(&sessions[..1]).expect("entered");
     let found = store.results(&Filter::default(), true).expect("results");
     assert_eq!((found.len(), &found[0].session), (3, &sessions[0]));
+}
+
+/// Sessions of one second are in the order of their starts, whatever their ids are.
+#[test]
+fn sessions_of_one_second_have_an_order() {
+    let scratch = scratch();
+    let mut store = open(&scratch);
+    let mut sessions = vec![session(2, None, true), session(1, None, false)];
+    sessions.sort_by_key(|session| std::cmp::Reverse(session.id));
+    for (session, ns) in sessions.iter_mut().zip([1, 999_999_999]) {
+        session.started = 10_000;
+        session.started_subsec_ns = ns;
+    }
+    store.enter(&sessions).expect("entered");
+    let found = store.results(&Filter::default(), true).expect("results");
+    let found: Vec<Session> = found.into_iter().map(|n| n.session).collect();
+    assert_eq!(found, sessions);
 }
 
 #[test]

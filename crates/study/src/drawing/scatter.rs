@@ -28,6 +28,8 @@ pub struct ScatterPoint {
     pub size: usize,
     /// Whether only the outline is drawn.
     pub hollow: bool,
+    /// Whether it is drawn in the colour of the dissertation's methods.
+    pub dissertation: bool,
     /// Text shown when it is pointed at.
     pub tip: String,
     /// Where it belongs.
@@ -72,7 +74,12 @@ pub fn scatter(out: &mut String, x: f64, heading: &str, points: &[ScatterPoint],
         let at = place(&across, &up, &rows, zone, point);
         // The hit area stays large enough to point at.
         let radius = 3.6 + 1.3 * point.size as f64;
-        let class = if point.hollow { "hollow" } else { "" };
+        let class = match (point.hollow, point.dissertation) {
+            (false, false) => "",
+            (true, false) => "hollow",
+            (false, true) => "dissertation",
+            (true, true) => "hollow dissertation",
+        };
         marker(out, point.series, at, radius, class, &point.tip);
     }
     let places: Vec<(f64, f64)> = front
@@ -262,6 +269,7 @@ mod tests {
             series: 0,
             size: 0,
             hollow: false,
+            dissertation: false,
             tip: format!("{zone:?}"),
             zone,
         };

@@ -74,6 +74,7 @@ pub fn panel_svg(panel: &Panel<'_>, alone: bool) -> String {
                 series: row.key.method,
                 size: row.key.group.resolution,
                 hollow: first != Some(row.key.group.material),
+                dissertation: panel.results.is_of_the_dissertation(row),
                 tip: tip(panel, row),
                 zone,
             });
@@ -131,21 +132,29 @@ fn tip(panel: &Panel<'_>, row: &Row) -> String {
     words
 }
 
+/// What the colour of the dissertation stands for.
+pub(super) const OF_THE_DISSERTATION: &str =
+    "springs by a method of the dissertation, whatever its form";
+
 /// Methods below the drawings of a file of its own; gives the height that it needs.
 fn legend(out: &mut String, panel: &Panel<'_>, width: f64, top: f64) -> f64 {
     let methods = panel.results.chart.method.iter().enumerate();
-    let present: Vec<(usize, &String)> = methods
+    let mut present: Vec<(usize, &str, &str)> = methods
         .filter(|(index, _)| panel.rows.iter().any(|row| row.key.method == *index))
-        .map(|(index, method)| (index, &method.title))
+        .map(|(index, method)| (index, "", method.title.as_str()))
         .collect();
+    let dissertation = |row: &&Row| panel.results.is_of_the_dissertation(row);
+    if panel.rows.iter().any(dissertation) {
+        present.push((0, "dissertation", OF_THE_DISSERTATION));
+    }
     let (mut x, mut y) = (84.0, top + 14.0);
-    for (index, title) in present {
+    for (index, class, title) in present {
         // A little more than any letter of this size takes.
         let wide = 30.0 + 7.2 * title.chars().count() as f64;
         if x + wide > width && x > 84.0 {
             (x, y) = (84.0, y + 22.0);
         }
-        crate::drawing::marker(out, index, (x, y - 4.0), 5.0, "", "");
+        crate::drawing::marker(out, index, (x, y - 4.0), 5.0, class, "");
         let _ = write!(
             out,
             "<text x=\"{:.1}\" y=\"{y:.1}\">{}</text>",

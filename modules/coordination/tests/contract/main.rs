@@ -230,6 +230,8 @@ fn the_economy_is_that_of_the_shortest_path_of_the_task() {
                 opening: 0.0,
             });
         }
+        cut(&mut host, "right", -0.002, ACROSS);
+        cut(&mut host, "right", 0.002, ACROSS);
         tick_with(&mut host, &before, &tools);
         let result = tick_with(&mut host, &after, &tools)
             .last::<TrainingResult>()
@@ -287,14 +289,33 @@ fn what_is_cut_elsewhere_and_what_tears_is_told_apart() {
         held: false,
         ..FREE
     };
-    let result = tick(&mut host, &separated)
-        .last::<TrainingResult>()
-        .expect("the verdict");
-    assert_eq!(result.failed, ["stray-cut"]);
+    assert!(
+        ticks(&mut host, &separated, 2).is_none(),
+        "apart, but cut at no mark"
+    );
+    let result = host.end();
+    assert_eq!(result.failed, ["not-cut", "stray-cut"]);
     assert_eq!(value(&result, "stray-cut"), Some(1e-6));
     assert_eq!(value(&result, "torn"), Some(1e-6));
     assert_eq!(value(&result, "steadied"), Some(0.0));
     assert_eq!(value(&result, "cut-distance"), None, "no cut at a mark");
+}
+
+/// Elsewhere 1 mm² is cut and 1 or 2 mm² tear; at the marks 1 mm² each is cut, which has to be half of that.
+#[test]
+fn a_mark_counts_only_if_at_least_half_as_much_was_cut_there_as_came_apart_elsewhere() {
+    for (tears, counts) in [(1, true), (2, false)] {
+        let mut host = both_cut("cut", 0.0, ACROSS, json!([]));
+        cut(&mut host, "right", 0.0, ACROSS);
+        for _ in 0..tears {
+            cut(&mut host, "", 0.0, ACROSS);
+        }
+        let result = tick(&mut host, &FREE).last::<TrainingResult>();
+        assert_eq!(result.is_some(), counts);
+        if !counts {
+            assert_eq!(host.end().failed, ["not-cut"]);
+        }
+    }
 }
 
 #[test]

@@ -289,6 +289,19 @@ impl Plan {
         write(hands, "fail-too-fast");
     }
 
+    /// Where what is drawn too fast slips out of the forceps before they are too fast: lax it does not.
+    fn back_too_fast(&self) {
+        let doc = "Draws, lets it back in a third of the time, and trims as it should be.";
+        let hands = self.after(doc, |bite, hands| {
+            bite.grip(hands);
+            bite.draw(hands);
+            let fast = 0.3 * bite.seconds;
+            hands.go(LEFT, fast, bite.forceps(bite.grip, bite.closed));
+            bite.let_go(hands);
+        });
+        write(hands, "fail-too-fast");
+    }
+
     fn media_gripped(&self) {
         let doc = "Grips the wall with one jaw in the lumen, and then trims as it should be.";
         let hands = self.after(doc, |bite, hands| {
@@ -424,7 +437,7 @@ fn main() {
         media: 0.28,
     };
     vein.pass();
-    vein.too_fast();
+    vein.back_too_fast();
     vein.media_gripped();
     vein.media_cut();
     vein.pulled_too_hard([-0.8, 0.9]);

@@ -84,6 +84,8 @@ pub struct Scene {
     pub around: f64,
     /// Force of a grip of the forceps, of which the media bears a quarter \[N\].
     pub grip: f64,
+    /// Whether the vessel slides through them.
+    pub slides: bool,
     /// Where the tip of the forceps is along x \[m\].
     pub forceps: f64,
     /// Direction of the handle of the scissors, and how far they are open.
@@ -102,6 +104,7 @@ impl Default for Scene {
             top: 0.5e-3,
             around: -0.3e-3,
             grip: 0.0,
+            slides: false,
             forceps: 0.0,
             handle: [0.0, -1.0, 0.0],
             opening: 0.3,
@@ -117,6 +120,7 @@ pub const BARE: Scene = Scene {
     top: -0.2e-3,
     around: -0.3e-3,
     grip: 0.0,
+    slides: false,
     forceps: 0.0,
     handle: [0.0, -1.0, 0.0],
     opening: 0.0,
@@ -229,7 +233,7 @@ pub fn tick(host: &mut TestHost<Module>, scene: &Scene) -> Published {
     let grip = ContactForce {
         partner: "left".into(),
         body: "vessel".into(),
-        sticking_fraction: 1.0,
+        sticking_fraction: if scene.slides { 0.0 } else { 1.0 },
         grip_force: scene.grip,
         sustained_grip: scene.grip,
         pieces: vec![0],

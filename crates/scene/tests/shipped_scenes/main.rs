@@ -1,5 +1,7 @@
 //! The scenes that the project ships: what they expect comes out.
 
+mod dissertation;
+
 use microsim_scene::{End, Runner, Scene, Serial, scene_spec};
 use microsim_settings::{Override, load_scene};
 use nalgebra::Vector3;
