@@ -36,8 +36,8 @@ const SIZES: [[usize; 3]; 6] = [
 /// The dissertation's tube among them.
 const PRINTED: usize = 1;
 
-/// Without a broad phase larger tubes take minutes.
-const LARGEST_WITHOUT: usize = 20_000;
+/// Without a broad phase a passage of a larger tube takes more than two minutes, and its time is known to grow with the square.
+const LARGEST_WITHOUT: usize = 10_000;
 
 /// Edges of a cell of the hash, over the mean edge of the mesh (the choice of Teschner et al. 2003 is 1).
 const CELLS: [f64; 7] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
