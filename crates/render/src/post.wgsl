@@ -12,13 +12,23 @@ fn whole_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
     return whole(index);
 }
 
-// Radius of the disc into which a place out of focus is spread [pixels]: sharp to half a millimetre, half a pixel of 720 rows for each millimetre beyond.
-fn spread_at(at: vec2i) -> f32 {
-    let size = vec2i(textureDimensions(depth_map)) - 1;
-    let depth = min(textureLoad(depth_map, clamp(at / 2, vec2i(0), size), 0), 0.99999);
-    let z = scene.lens.z - scene.lens.w / (1.0 - depth);
+// Radius of the disc into which a depth out of focus is spread [pixels]: sharp to half a millimetre, half a pixel of 720 rows for each millimetre beyond.
+fn spread_of(depth: f32) -> f32 {
+    let z = scene.lens.z - scene.lens.w / (1.0 - min(depth, 0.99999));
     let off = max(abs(z) * scene.eye.y - 0.5, 0.0);
     return min(0.0014 * scene.field.z * off, 0.012 * scene.field.z);
+}
+
+// The smallest spread about a pixel: depths are known at every second pixel alone, so that the edge of what is sharp would be taken for what lies behind it, and run
+// into that.
+fn spread_at(at: vec2i) -> f32 {
+    let size = vec2i(textureDimensions(depth_map)) - 1;
+    var least = 1e9;
+    for (var i = 0; i < 4; i++) {
+        let beside = at + vec2i(2 * (i & 1) - 1, (i & 2) - 1);
+        least = min(least, spread_of(textureLoad(depth_map, clamp(beside / 2, vec2i(0), size), 0)));
+    }
+    return least;
 }
 
 @fragment

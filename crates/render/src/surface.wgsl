@@ -190,7 +190,7 @@ struct Look {
 fn vessels(rest: vec3f) -> f32 {
     let line = abs(noise(rest * vec3f(0.55, 1.3, 1.3) + 7.3) - 0.5);
     let patchy = smoothstep(0.40, 0.60, noise(rest * 0.6 + 31.7));
-    return (1.0 - smoothstep(0.008, 0.028, line)) * patchy;
+    return (1.0 - smoothstep(0.005, 0.018, line)) * patchy;
 }
 
 // Fibres along the axis of the body, wavy; the middle value where they are finer than pixels.
@@ -214,15 +214,16 @@ fn tissue_look(layer: f32, colour: vec3f, rest: vec3f) -> Look {
     switch kind {
         case 0u: {
             // Connective tissue: mottled, a film over it, thin vessels in it.
-            look.albedo = colour * (0.80 + 0.38 * slow) * mix(vec3f(1.0), vec3f(1.12, 1.04, 1.0), coarse - 0.3);
-            look.albedo = mix(look.albedo, red, 0.55 * vessels(rest));
+            look.albedo = colour * (0.78 + 0.42 * slow) * mix(vec3f(1.0), vec3f(1.06, 1.02, 1.0), coarse - 0.3);
+            look.albedo = mix(look.albedo, red, 0.40 * vessels(rest));
+            look.roughness = 0.25;
             look.relief = 0.060 * slow + 0.022 * coarse + 0.008 * fine;
         }
         case 1u: {
             // Adventitia: whitish strands over what lies below, which shows where they are thin.
-            let strands = smoothstep(0.25, 0.75, 0.55 * coarse + 0.45 * fine);
+            let strands = smoothstep(0.20, 0.80, 0.4 * coarse + 0.6 * fine);
             let below = mix(colour, vec3f(0.62, 0.22, 0.18), 0.35);
-            look.albedo = mix(below, vec3f(0.80, 0.70, 0.62), 0.35 + 0.5 * strands);
+            look.albedo = mix(below, vec3f(0.80, 0.72, 0.66), 0.5 + 0.35 * strands);
             look.albedo = mix(look.albedo, red, 0.45 * vessels(rest));
             look.relief = 0.030 * slow + 0.014 * coarse + 0.008 * fine;
             look.roughness = 0.38;
@@ -231,7 +232,7 @@ fn tissue_look(layer: f32, colour: vec3f, rest: vec3f) -> Look {
         case 2u: {
             // Media: pale, smooth, faint rings of muscle.
             let rings = noise(vec3f(7.0 * rest.x, 0.8 * rest.y, 0.8 * rest.z));
-            look.albedo = mix(colour, vec3f(0.83, 0.52, 0.42), 0.6) * (0.93 + 0.1 * rings + 0.06 * slow);
+            look.albedo = mix(colour, vec3f(0.80, 0.40, 0.29), 0.75) * (0.93 + 0.1 * rings + 0.06 * slow);
             look.relief = 0.002 * rings;
             look.roughness = 0.26;
         }
@@ -250,7 +251,7 @@ fn tissue_look(layer: f32, colour: vec3f, rest: vec3f) -> Look {
         case 5u: {
             // Loose tissue: white, fibrous, lets light through.
             let strands = smoothstep(0.2, 0.8, 0.5 * coarse + 0.5 * fine);
-            look.albedo = mix(mix(colour, vec3f(0.72, 0.42, 0.36), 0.5), vec3f(0.88, 0.82, 0.76), 0.3 + 0.6 * strands);
+            look.albedo = mix(mix(colour, vec3f(0.72, 0.42, 0.36), 0.5), vec3f(0.86, 0.84, 0.82), 0.4 + 0.5 * strands);
             look.relief = 0.030 * slow + 0.020 * coarse + 0.010 * fine;
             look.roughness = 0.45;
             look.wet = 0.7;

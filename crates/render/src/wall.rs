@@ -2,7 +2,7 @@
 //! in the body at rest.
 //!
 //! A body whose surface faces its own long axis somewhere is a tube: what does so is the lumen, the region behind it is the media, the region behind what faces
-//! outwards the adventitia; another region, or the adventitia where it was opened, is loose tissue. Where no regions are known, or there is only one, all that was opened
+//! outwards the adventitia; another region, or the adventitia where it was opened, is loose tissue, of which what stays on the media is too thin to hide it. Where no regions are known, or there is only one, all that was opened
 //! is media.
 //!
 //! Nodes that a cut has made have no place at rest of their own unless it is published: they get the mean of those of their neighbours on the
@@ -234,7 +234,10 @@ impl Wall {
             };
             let (normal, outwards) = self.facing(triangle, places);
             let end = normal.dot(&axis).abs() > 0.7 * normal.norm();
+            let is_between = layered && region != Some(self.inner) && region != Some(self.outer);
             match (opened || end, outwards) {
+                // Where the adventitia came off: what is left of the loose tissue is thin, and the media shows through it.
+                (true, true) if is_between && !end => Layer::Media,
                 (true, _) => of_region,
                 (false, false) => Layer::Lumen,
                 (false, true) if tissue.vein => Layer::Vein,
@@ -303,6 +306,16 @@ mod tests {
         let opened = wall.layers(&tissue, &places);
         assert_eq!(opened[..2], [Layer::Loose as u8; 2]);
         assert_eq!(opened[2..4], [Layer::Media as u8; 2]);
+        // Loose tissue between both: on the media it shows that, from below the adventitia itself.
+        tissue.regions.extend([2, 2]);
+        tissue.inner.extend([true, true]);
+        let outwards = tissue.triangles[0];
+        let mut inwards = outwards;
+        inwards.swap(0, 1);
+        tissue.triangles.extend([outwards, inwards]);
+        let bared = wall.layers(&tissue, &places);
+        let last = bared.len() - 2;
+        assert_eq!(bared[last..], [Layer::Media as u8, Layer::Loose as u8]);
         tissue.vein = true;
         tissue.inner.clear();
         assert_eq!(wall.layers(&tissue, &places)[0], Layer::Vein as u8);

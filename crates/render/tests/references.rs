@@ -25,9 +25,9 @@ const SIZE: (u32, u32) = (480, 270);
 /// A pixel differs if one of its channels does by more than this [of 255].
 const DIFFERS: u8 = 16;
 /// Fraction of the pixels that may differ.
-const DIFFERENT: f64 = 0.01;
+const DIFFERENT: f64 = 0.005;
 /// Mean difference of all channels of all pixels [of 255].
-const MEAN: f64 = 1.0;
+const MEAN: f64 = 0.5;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references")
