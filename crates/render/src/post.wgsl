@@ -23,10 +23,11 @@ fn spread_of(depth: f32) -> f32 {
 // into that.
 fn spread_at(at: vec2i) -> f32 {
     let size = vec2i(textureDimensions(depth_map)) - 1;
-    var least = 1e9;
+    let own = at / 2;
+    var least = spread_of(textureLoad(depth_map, clamp(own, vec2i(0), size), 0));
     for (var i = 0; i < 4; i++) {
-        let beside = at + vec2i(2 * (i & 1) - 1, (i & 2) - 1);
-        least = min(least, spread_of(textureLoad(depth_map, clamp(beside / 2, vec2i(0), size), 0)));
+        let beside = own + vec2i(2 * (i & 1) - 1, (i & 2) - 1);
+        least = min(least, spread_of(textureLoad(depth_map, clamp(beside, vec2i(0), size), 0)));
     }
     return least;
 }
