@@ -141,6 +141,25 @@ impl<R: Read> Reader<R> {
         })
     }
 
+    /// Goes on in a file of which this frame was read before: `source` stands at its first byte, `offset` bytes from the beginning.
+    ///
+    /// What stands before it is not looked at again.
+    pub fn at(source: R, offset: usize, sequence: u64) -> Self {
+        Self {
+            source,
+            offset,
+            expected: sequence,
+            last: None,
+            ending: None,
+            payload: Vec::new(),
+        }
+    }
+
+    /// The source, wherever it stands.
+    pub fn into_source(self) -> R {
+        self.source
+    }
+
     /// How the file ends; `None` until [`Reader::next_frame`] has come there.
     pub fn ending(&self) -> Option<Ending> {
         self.ending
@@ -407,6 +426,34 @@ mod tests {
         assert_first_frames(&reading.frames, FRAMES.len(), &boundaries, "whole file");
         assert_eq!(reading.ending, Ending::Clean);
         assert_eq!(reading.frames.last().map(|frame| frame.tick), Some(251));
+    }
+
+    /// From each frame on, the rest is read as it is from the beginning, with the same end.
+    #[test]
+    fn reading_goes_on_at_any_frame() {
+        let (bytes, boundaries) = small_file();
+        for (index, begin) in boundaries[..FRAMES.len()].iter().enumerate() {
+            let mut reader = Reader::at(&bytes[*begin..], *begin, index as u64);
+            for (number, (kind, tick, payload)) in FRAMES.into_iter().enumerate().skip(index) {
+                let expected = Frame {
+                    offset: boundaries[number],
+                    kind,
+                    sequence: number as u64,
+                    tick,
+                    payload,
+                };
+                assert_eq!(reader.next_frame().unwrap(), Some(expected));
+            }
+            assert_eq!(reader.next_frame().unwrap(), None);
+            assert_eq!(reader.ending(), Some(Ending::Clean));
+            assert!(reader.into_source().is_empty());
+        }
+        let mut elsewhere = Reader::at(&bytes[boundaries[2]..], boundaries[2], 1);
+        assert_eq!(elsewhere.next_frame().unwrap(), None);
+        assert!(matches!(
+            elsewhere.ending(),
+            Some(Ending::Damaged { what: Damage::Sequence { expected: 1, found: 2 }, .. })
+        ));
     }
 
     /// Every cut: all frames that were complete before it are recovered, and the ending names what it was.

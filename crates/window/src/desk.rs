@@ -6,6 +6,7 @@ use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
 use crate::look;
 use crate::records::{self, Records};
+use crate::replay::{self, Replay};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
 use crate::text;
 use crate::training::{Outcome, Training};
@@ -23,6 +24,8 @@ pub struct Opening {
     pub choice: Option<Choice>,
     /// Whether it begins at once.
     pub begins: bool,
+    /// A recorded session that is shown in its place.
+    pub replay: Option<Box<Debrief>>,
     /// Width and height of the window \[points\].
     pub size: [f32; 2],
 }
@@ -76,6 +79,8 @@ enum Screen {
     Training(Box<Training>),
     /// What came of a run, which may be one of long ago.
     Debrief(Box<Debrief>, Choice),
+    /// A run as it was recorded.
+    Replay(Box<Replay>, Choice),
     Records(Box<Records>),
     Upkeep,
     /// Why a level did not begin, or has nothing to show.
@@ -127,6 +132,10 @@ impl Desk {
                 desk.begin(choice, &context.egui_ctx);
             }
         }
+        if let Some(debrief) = opening.replay {
+            let choice = desk.choice_of(&debrief);
+            desk.replay(debrief, choice, 0, &context.egui_ctx);
+        }
         Ok(desk)
     }
 
@@ -156,6 +165,57 @@ impl Desk {
             Ok(training) => Screen::Training(Box::new(training)),
             Err(why) => Screen::Complaint(why),
         };
+    }
+
+    /// The level of a session, for whoever trains now.
+    fn choice_of(&self, debrief: &Debrief) -> Choice {
+        let session = &debrief.report.session;
+        Choice {
+            module: session.module.clone(),
+            level: session.level,
+            trainee: self.launcher.trainee.clone(),
+        }
+    }
+
+    /// Shows a session from a tick on, or its debrief with what is wrong with it.
+    fn replay(
+        &mut self,
+        debrief: Box<Debrief>,
+        choice: Choice,
+        tick: u64,
+        context: &egui::Context,
+    ) {
+        let begun = match self.station.replay(&debrief.session) {
+            Ok(recording) => Replay::begin(debrief, recording, tick, context),
+            Err(why) => Err((debrief, why)),
+        };
+        self.screen = match begun {
+            Ok(replay) => Screen::Replay(Box::new(replay), choice),
+            Err((mut debrief, why)) => {
+                let why = format!("{}: {why}", text::NO_REPLAY.of(self.language));
+                if !debrief.complaints.contains(&why) {
+                    debrief.complaints.push(why);
+                }
+                Screen::Debrief(debrief, choice)
+            }
+        };
+    }
+
+    fn show_replay(&mut self, ui: &mut Ui) {
+        let Screen::Replay(replay, _) = &mut self.screen else {
+            return;
+        };
+        match replay.show(ui, &mut self.field, self.language) {
+            None => {}
+            Some(replay::Outcome::Language) => self.language = other(self.language),
+            Some(replay::Outcome::Back) => {
+                let shown = std::mem::replace(&mut self.screen, Screen::Launcher);
+                if let Screen::Replay(replay, choice) = shown {
+                    self.screen = Screen::Debrief(replay.debrief, choice);
+                }
+                ui.ctx().request_repaint();
+            }
+        }
     }
 
     fn show_launcher(&mut self, ui: &mut Ui) {
@@ -209,6 +269,11 @@ impl Desk {
         match debrief::show(ui, debrief, has_next, self.language) {
             None => {}
             Some(Next::Back) => self.screen = Screen::Launcher,
+            Some(Next::Replay(tick)) => {
+                let (debrief, context) = (debrief.clone(), ui.ctx().clone());
+                self.replay(debrief, again, tick, &context);
+                ui.ctx().request_repaint();
+            }
             Some(wanted) => {
                 let choice = if wanted == Next::Again { again } else { next };
                 self.launcher.level = choice.level;
@@ -235,13 +300,12 @@ impl Desk {
                 self.screen = Screen::Launcher;
             }
             Some(records::Wanted::Debrief(debrief)) => {
-                let session = &debrief.report.session;
-                let choice = Choice {
-                    module: session.module.clone(),
-                    level: session.level,
-                    trainee: self.launcher.trainee.clone(),
-                };
+                let choice = self.choice_of(&debrief);
                 self.screen = Screen::Debrief(debrief, choice);
+            }
+            Some(records::Wanted::Replay(debrief)) => {
+                let (choice, context) = (self.choice_of(&debrief), ui.ctx().clone());
+                self.replay(debrief, choice, 0, &context);
             }
         }
     }
@@ -286,6 +350,7 @@ impl eframe::App for Desk {
         match &mut self.screen {
             Screen::Launcher => self.show_launcher(ui),
             Screen::Debrief(..) => self.show_debrief(ui),
+            Screen::Replay(..) => self.show_replay(ui),
             Screen::Records(_) => self.show_records(ui),
             Screen::Upkeep => self.show_upkeep(ui),
             Screen::Complaint(_) => self.show_complaint(ui),

@@ -10,7 +10,9 @@
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture.
-//! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `records`.
+//! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
+//! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own.
+//! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
 //! - `upkeep`: courses and the store as a whole, with `work` that goes on beside the window's thread.
 //! - `look`: colours and sizes; `text`: all texts.
@@ -20,6 +22,8 @@
 #![forbid(unsafe_code)]
 
 mod attempts;
+mod canvas;
+mod console;
 mod courses;
 mod debrief;
 mod desk;
@@ -33,14 +37,17 @@ mod look;
 mod pace;
 mod panels;
 mod person;
+mod player;
 mod plot;
 mod records;
+mod replay;
 mod rows;
 mod scope;
 mod station;
 #[cfg(test)]
 mod tests;
 mod text;
+mod timeline;
 mod training;
 mod upkeep;
 mod work;
@@ -51,6 +58,8 @@ pub use ledger::{
     Debrief, Done, Job, Learning, Ledger, Participant, Percentile, Person, Role, Selection,
     StandingRow, StepState, Work,
 };
+pub use live::SHOWN;
 pub use station::{
-    Catalogue, Choice, LevelEntry, LiveSession, ModuleEntry, Station, ToolEntry, TraineeEntry,
+    Catalogue, Choice, Computation, LevelEntry, LiveSession, ModuleEntry, Recording, Station,
+    ToolEntry, TraineeEntry,
 };
