@@ -2,6 +2,7 @@
 
 mod jobs;
 mod ledger;
+mod recorded;
 
 use crate::cli::{Place, WindowArgs};
 use crate::folders::{self, Folders};
@@ -11,7 +12,7 @@ use crate::names::shown;
 use crate::output::{Exit, Problem, complain};
 use crate::records::{self, Attempt, RunRecord};
 use crate::report::write_beside;
-use crate::session_file::{installation, read_around, report_of};
+use crate::session_file::{find, installation, read_around, report_of};
 use crate::station;
 use microsim_host::assemble::{Input, Installation, Request, assemble, renderer_for, title_of};
 use microsim_host::plan::{PluginKind, RunPlan};
@@ -21,10 +22,11 @@ use microsim_report::{Language, Page};
 use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig};
 use microsim_store::Id;
 use microsim_window::{
-    Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Opening, Station, ToolEntry,
-    TraineeEntry,
+    Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Opening, Recording, Station,
+    ToolEntry, TraineeEntry,
 };
-use std::path::PathBuf;
+use recorded::Recorded;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime};
 
@@ -46,10 +48,17 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
             trainee: trainee.clone(),
         })
     });
+    let replay = args.replay.as_deref().map(|session| {
+        let session = find(place, session);
+        let opened = Recorded::new(&installation, &session);
+        let debrief = opened.and_then(|_| recorded::debrief(session));
+        debrief.map_err(|problem| cannot_replay(problem, language))
+    });
     let opening = Opening {
         language,
         choice: choice.transpose()?,
         begins: args.module.is_some(),
+        replay: replay.transpose()?.map(Box::new),
         size: args.size,
     };
     let station = AtThisPlace {
@@ -68,6 +77,18 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     };
     microsim_window::open(Box::new(station), opening)?;
     Ok(Exit::Done)
+}
+
+/// Why a session cannot be replayed, in the language of the window that would have shown it.
+fn cannot_replay(problem: Problem, language: Language) -> Problem {
+    let what = match language {
+        Language::German => "die Aufzeichnung kann nicht abgespielt werden",
+        Language::English => "the session cannot be replayed",
+    };
+    match problem {
+        Problem::Text(why) => Problem::Text(format!("{what}: {why}")),
+        problem => problem,
+    }
 }
 
 /// The installation and the folders of the user.
@@ -234,6 +255,11 @@ impl Station for AtThisPlace {
             Ok(session) => Ok(Box::new(session)),
             Err(problem) => Err(text(problem)),
         }
+    }
+
+    fn replay(&self, session: &Path) -> Result<Box<dyn Recording>, String> {
+        let recorded = Recorded::new(&self.installation, session).map_err(text)?;
+        Ok(Box::new(recorded))
     }
 }
 

@@ -12,7 +12,7 @@ use crate::error::RunError;
 use crate::parallel::Parallel;
 use crate::plan::{PlannedPlugin, RunPlan};
 use crate::record::{
-    Place, Session, SessionError, SessionReader, TickRecord, kind, parse, unreadable,
+    Place, Session, SessionError, SessionReader, TickRecord, hex, kind, parse, unreadable,
 };
 use crate::replay::{
     Difference, engine_of, parallel, recompute_end, recompute_tick, use_installed,
@@ -180,6 +180,11 @@ impl<R: Read + Seek> Playback<R> {
     /// What the comparison shows so far.
     pub fn standing(&self) -> &Standing {
         &self.standing
+    }
+
+    /// The state hash now, hexadecimal: after the end that of the session. `None` after a failure.
+    pub fn state_hash(&self) -> Option<String> {
+        self.engine.as_ref().map(|engine| hex(&engine.chain()))
     }
 
     /// Memory that checkpoints take \[byte\].

@@ -189,15 +189,16 @@ pub(crate) fn recompute_tick(
     let output = output.map_err(|failure| Difference::from(&failure))?;
     // The hash alone is not enough: whoever changes a recorded message need not touch it.
     let is_same = output.chain.as_slice() == recorded.chain && output.log == recorded.log;
-    let mut found =
-        (!is_same).then(|| difference(tick, describe(engine, recorded, &output.log)));
+    let mut found = (!is_same).then(|| difference(tick, describe(engine, recorded, &output.log)));
     if let Some(states) = &recorded.states {
         match engine.state_digests(states) {
             // What differs first is what counts.
             Err(failure) => return Err(found.unwrap_or_else(|| Difference::from(&failure))),
             Ok(computed) if computed != *states => {
                 let pairs = computed.iter().zip(states);
-                let names = pairs.filter(|(a, b)| a != b).map(|(a, _)| a.plugin.as_str());
+                let names = pairs
+                    .filter(|(a, b)| a != b)
+                    .map(|(a, _)| a.plugin.as_str());
                 let names = names.collect::<Vec<_>>().join(", ");
                 let what = || difference(tick, format!("the state of {names} differs"));
                 found.get_or_insert_with(what);

@@ -452,7 +452,13 @@ mod tests {
         assert_eq!(elsewhere.next_frame().unwrap(), None);
         assert!(matches!(
             elsewhere.ending(),
-            Some(Ending::Damaged { what: Damage::Sequence { expected: 1, found: 2 }, .. })
+            Some(Ending::Damaged {
+                what: Damage::Sequence {
+                    expected: 1,
+                    found: 2
+                },
+                ..
+            })
         ));
     }
 

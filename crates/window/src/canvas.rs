@@ -69,11 +69,23 @@ impl Canvas {
                 let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
                 painter.image(picture, place, all, Color32::WHITE);
             }
-            None => write(place.center(), Align2::CENTER_CENTER, 17.0, waiting, look::TEXT),
+            None => write(
+                place.center(),
+                Align2::CENTER_CENTER,
+                17.0,
+                waiting,
+                look::TEXT,
+            ),
         }
         if let Some(why) = &self.complaint {
             let why = format!("{}: {why}", text::NO_PICTURE.of(language));
-            write(place.center_bottom(), Align2::CENTER_BOTTOM, 15.0, &why, look::BAD);
+            write(
+                place.center_bottom(),
+                Align2::CENTER_BOTTOM,
+                15.0,
+                &why,
+                look::BAD,
+            );
         }
         (response, is_drawn)
     }

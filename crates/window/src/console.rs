@@ -1,12 +1,14 @@
 //! What stands around the picture of a replay: what is replayed and whether it is the same, what happened, how it is played.
 
 use crate::look;
+use crate::panels;
 use crate::player::{SPEEDS, State};
 use crate::plot::{self, Curve};
 use crate::text::{self, Phrase, local, number};
 use crate::timeline::{self, Mark, TimeLine};
-use crate::panels;
-use eframe::egui::{self, Align, Button, Key, Label, Layout, ProgressBar, RichText, ScrollArea, Ui};
+use eframe::egui::{
+    self, Align, Button, Key, Label, Layout, ProgressBar, RichText, ScrollArea, Ui,
+};
 use microsim_render::Quality;
 use microsim_report::Report;
 use microsim_vocabulary::Language;
@@ -206,7 +208,10 @@ impl Console<'_> {
             let (now, end) = (time(tick + 1), time(self.state.range.end));
             ui.label(RichText::new(format!("{now} / {end} s")).strong());
             let mut note = format!("{} {tick}", text::TICK.of(language));
-            let rate = self.state.rate.filter(|rate| self.plays && *rate < 0.95 * SPEEDS[self.speed]);
+            let rate = self
+                .state
+                .rate
+                .filter(|rate| self.plays && *rate < 0.95 * SPEEDS[self.speed]);
             if let Some(rate) = rate {
                 let rate = number(rate, 2, language);
                 note = format!("{note} · {} ×{rate}", text::COMPUTED_WITH.of(language));
@@ -229,7 +234,11 @@ impl Console<'_> {
                 let seconds = number(goal as f64 * self.report.session.tick_s, 2, language);
                 let what = format!("{} {seconds} s", text::IS_COMPUTED.of(language));
                 ui.label(look::quiet(what));
-                ui.add(ProgressBar::new(part as f32).corner_radius(2.0).fill(look::ACCENT));
+                ui.add(
+                    ProgressBar::new(part as f32)
+                        .corner_radius(2.0)
+                        .fill(look::ACCENT),
+                );
             });
         }
         let tick_s = self.report.session.tick_s;

@@ -11,7 +11,8 @@
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture.
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
-//! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own.
+//! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
+//!   with the states `nearby` in memory.
 //! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
 //! - `upkeep`: courses and the store as a whole, with `work` that goes on beside the window's thread.
@@ -34,6 +35,7 @@ mod learning;
 mod ledger;
 mod live;
 mod look;
+mod nearby;
 mod pace;
 mod panels;
 mod person;

@@ -2,9 +2,9 @@
 //! around the shown tick stays in memory, so that single ticks back need nothing computed again.
 
 use crate::live::Snapshot;
+use crate::nearby::Nearby;
 use crate::station::{Computation, Recording};
-use microsim_host::playback::{Moment, Standing};
-use std::collections::BTreeMap;
+use microsim_host::playback::Standing;
 use std::ops::Range;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -16,9 +16,6 @@ pub const SPEEDS: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 const RECORDED: usize = 2;
 /// Ticks that are computed ahead of the one that is shown.
 const AHEAD: u64 = 125;
-/// Most ticks around the shown one whose states stay in memory, and most bytes of them.
-const MOST: usize = 1000;
-const MOST_BYTES: usize = 128 << 20;
 /// Behind by more than this, the schedule moves.
 const GIVE_UP: Duration = Duration::from_millis(200);
 /// Time over which the rate is measured.
@@ -101,7 +98,7 @@ impl Player {
                     exchange: &seat,
                     computation,
                     tick_s,
-                    cache: Cache::default(),
+                    nearby: Nearby::default(),
                     work: None,
                     has_compared_end: false,
                     wake: &wake,
@@ -203,60 +200,6 @@ impl Drop for Player {
     }
 }
 
-/// States around the one that is shown, by their ticks.
-#[derive(Debug, Default)]
-struct Cache {
-    moments: BTreeMap<u64, Moment>,
-    bytes: usize,
-}
-
-/// What a state takes in memory at most: blocks that did not change are in the states before as well.
-fn size(moment: &Moment) -> usize {
-    let blocks = moment.blocks.iter().map(|block| 8 * block.words().len());
-    let messages = moment.messages.values().map(|bytes| bytes.len());
-    blocks.chain(messages).sum()
-}
-
-impl Cache {
-    /// Takes one, and drops those that are the furthest from `shown` where they are too many.
-    fn insert(&mut self, moment: Moment, shown: u64) {
-        self.bytes += size(&moment);
-        if let Some(before) = self.moments.insert(moment.tick, moment) {
-            self.bytes -= size(&before);
-        }
-        while self.moments.len() > MOST || (self.bytes > MOST_BYTES && self.moments.len() > 2) {
-            let ends = self.moments.keys().next().zip(self.moments.keys().last());
-            let Some((first, last)) = ends else { break };
-            let furthest = match first.abs_diff(shown) > last.abs_diff(shown) {
-                true => *first,
-                false => *last,
-            };
-            if let Some(gone) = self.moments.remove(&furthest) {
-                self.bytes -= size(&gone);
-            }
-        }
-    }
-
-    /// The first tick from `tick` on that is not here.
-    fn missing(&self, tick: u64) -> u64 {
-        let mut missing = tick;
-        for (there, _) in self.moments.range(tick..) {
-            if *there != missing {
-                break;
-            }
-            missing += 1;
-        }
-        missing
-    }
-
-    /// Whether a state can be taken that is computed ahead of what is shown, without another one going that is nearer to it.
-    fn has_room(&self, ahead: u64, shown: u64) -> bool {
-        let is_full = self.moments.len() >= MOST || self.bytes >= MOST_BYTES;
-        let first = self.moments.keys().next();
-        !is_full || first.is_some_and(|first| first.abs_diff(shown) > ahead.abs_diff(shown))
-    }
-}
-
 /// Work towards a tick: that tick, and where it began.
 struct Towards {
     goal: u64,
@@ -268,7 +211,7 @@ struct Seat<'a> {
     exchange: &'a Exchange,
     computation: Box<dyn Computation>,
     tick_s: f64,
-    cache: Cache,
+    nearby: Nearby,
     work: Option<Towards>,
     /// Whether what stands behind the last tick was compared.
     has_compared_end: bool,
@@ -371,14 +314,14 @@ impl Seat<'_> {
     fn compute(&mut self, tick: u64, shown: u64) -> Result<(), String> {
         self.computation.seek(tick)?;
         if let Some(moment) = self.computation.step()? {
-            self.cache.insert(moment, shown);
+            self.nearby.insert(moment, shown);
         }
         Ok(())
     }
 
     /// Shows a tick if its state is here.
     fn show(&mut self, tick: u64) -> bool {
-        let Some(moment) = self.cache.moments.get(&tick) else {
+        let Some(moment) = self.nearby.get(tick) else {
             return false;
         };
         let snapshot = Snapshot::of(moment, (tick + 1) as f64 * self.tick_s);
@@ -391,11 +334,11 @@ impl Seat<'_> {
     /// Plays on from the tick that is shown: the next one if it is due, otherwise what comes later is computed, or the time is waited for.
     fn go_on(&mut self, shown: u64, pace: &mut Pace, wish: &Wish) -> Result<(), String> {
         let now = Instant::now();
-        let missing = self.cache.missing(shown + 1);
+        let missing = self.nearby.missing(shown + 1);
         let has_next = missing > shown + 1;
         if now < pace.next && has_next {
             let is_ahead = missing > shown + AHEAD || missing >= self.computation.range().end;
-            match is_ahead || !self.cache.has_room(missing, shown) {
+            match is_ahead || !self.nearby.has_room(missing, shown) {
                 true => self.wait(wish, Some(pace.next)),
                 false => self.compute(missing, shown)?,
             }

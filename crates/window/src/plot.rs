@@ -2,7 +2,9 @@
 
 use crate::look;
 use crate::text::number;
-use eframe::egui::{Align2, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2};
+use eframe::egui::{
+    Align2, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2,
+};
 use microsim_vocabulary::Language;
 
 /// A curve: times \[s\] and values, `None` where it has a gap.
@@ -35,8 +37,7 @@ impl Axes {
         let (place, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let low_corner = place.min + vec2(MARGIN[0], 4.0);
         let inner = Rect::from_min_max(low_corner, place.max - vec2(4.0, MARGIN[1]));
-        ui.painter_at(place)
-            .rect_filled(inner, 2.0, look::SURFACE);
+        ui.painter_at(place).rect_filled(inner, 2.0, look::SURFACE);
         let positive = |length: f64| if length > 0.0 { length } else { 1.0 };
         let axes = Self {
             inner,

@@ -5,8 +5,8 @@ use crate::console::{Asked, Console, by_key};
 use crate::field::Field;
 use crate::ledger::Debrief;
 use crate::live::Snapshot;
-use crate::plot::Curve;
 use crate::player::Player;
+use crate::plot::Curve;
 use crate::scope::Scope;
 use crate::station::Recording;
 use crate::text;
@@ -90,7 +90,10 @@ impl Replay {
         let mut asked = self.use_keys(ui, field);
         let report = &self.debrief.report;
         if self.curves.as_ref().is_none_or(|(of, _)| *of != language) {
-            let both = [timeline::speeds(report, language), timeline::forces(report, language)];
+            let both = [
+                timeline::speeds(report, language),
+                timeline::forces(report, language),
+            ];
             self.curves = Some((language, both));
         }
         let state = self.player.state();
@@ -123,7 +126,9 @@ impl Replay {
         });
         let mut outcome = None;
         for asked in asked {
-            outcome = self.follow(asked, state.shown.unwrap_or(state.range.start)).or(outcome);
+            outcome = self
+                .follow(asked, state.shown.unwrap_or(state.range.start))
+                .or(outcome);
         }
         outcome
     }

@@ -3,9 +3,7 @@
 use crate::look;
 use crate::plot::Curve;
 use crate::text::{local, number};
-use eframe::egui::{
-    Align, Button, Color32, Layout, Rect, Sense, Shape, Stroke, Ui, pos2, vec2,
-};
+use eframe::egui::{Align, Button, Color32, Layout, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use microsim_host::playback::Standing;
 use microsim_message::LocalText;
 use microsim_report::{MomentKind, Report};
@@ -58,7 +56,9 @@ pub fn next(marks: &[Mark], tick: u64) -> Option<u64> {
 
 /// The tick of the mark before a tick.
 pub fn previous(marks: &[Mark], tick: u64) -> Option<u64> {
-    let before = marks.partition_point(|mark| mark.tick < tick).checked_sub(1)?;
+    let before = marks
+        .partition_point(|mark| mark.tick < tick)
+        .checked_sub(1)?;
     marks.get(before).map(|mark| mark.tick)
 }
 
@@ -217,7 +217,10 @@ impl TimeLine<'_> {
         let pointer = response.hover_pos();
         let near = pointer.and_then(|pointer| {
             let distance = |mark: &&Mark| (at(mark.tick) - pointer.x).abs();
-            let nearest = self.marks.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let nearest = self
+                .marks
+                .iter()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)));
             nearest.filter(|mark| distance(mark) <= MARK)
         });
         let is_pressed = response.clicked() || response.dragged();
@@ -264,7 +267,10 @@ mod tests {
         let ticks: Vec<u64> = marks.iter().map(|mark| mark.tick).collect();
         assert_eq!(ticks, [10, 40, 90]);
         assert_eq!((next(&marks, 0), previous(&marks, 0)), (Some(10), None));
-        assert_eq!((next(&marks, 40), previous(&marks, 40)), (Some(90), Some(10)));
+        assert_eq!(
+            (next(&marks, 40), previous(&marks, 40)),
+            (Some(90), Some(10))
+        );
         assert_eq!((next(&marks, 90), previous(&marks, 1000)), (None, Some(90)));
         assert_eq!((last(&marks, 9), last(&marks, 40)), (None, Some(1)));
     }
@@ -281,9 +287,15 @@ mod tests {
             marks: &[],
             standing: &standing,
         };
-        assert_eq!((line.tick(-1.0), line.tick(0.5), line.tick(2.0)), (100, 200, 300));
+        assert_eq!(
+            (line.tick(-1.0), line.tick(0.5), line.tick(2.0)),
+            (100, 200, 300)
+        );
         assert!((line.part(200) - 0.5).abs() < 1e-6);
-        let empty = TimeLine { range: 5..5, ..line };
+        let empty = TimeLine {
+            range: 5..5,
+            ..line
+        };
         assert_eq!(empty.tick(0.7), 5);
         assert!(empty.part(5).abs() < 1e-6);
     }
