@@ -207,24 +207,28 @@ fn replay(display: &Display) {
     });
     display.key("space");
     keep(display, "window-replay");
-    // A hundred ticks back: at least ten pixels of the time line of a run of less than a minute. What is on its way to the picture when it pauses comes before.
+    // Forty ticks back are at least eight pixels of the time line of a run of less than a minute. What is on its way to the picture when it pauses comes before.
     let (_, paused) = display.wait_for("that it pauses", most, |_| {
         let before = knob(&display.shot())?;
         std::thread::sleep(Duration::from_millis(1000));
         knob(&display.shot()).filter(|now| (now - before).abs() < 1.0)
     });
     assert!(paused >= played - 1.0, "{paused} and {played}");
-    for _ in 0..100 {
+    for _ in 0..40 {
         display.key("Left");
     }
     display.wait_for("that it goes back", most, |shot| {
-        knob(shot).filter(|x| *x < paused - 5.0)
+        knob(shot).filter(|x| *x < paused - 3.0)
     });
     display.key("End");
     display.wait_for("the end", most, |shot| knob(shot).filter(|x| *x > 1200.0));
     let (shot, _) = display.wait_for("that it is the same to the end", most, same);
     let is_orange = |[r, g, b]: [u8; 3]| r > 200 && (120..180).contains(&g) && b < 100;
-    assert_eq!(some(shot.find(standing, is_orange), 20), None, "nothing differs");
+    assert_eq!(
+        some(shot.find(standing, is_orange), 20),
+        None,
+        "nothing differs"
+    );
     display.key("Home");
     display.wait_for("the begin", most, |shot| {
         some(shot.find(view, is_mark), 60)?;
@@ -398,10 +402,16 @@ fn what_cannot_be_replayed_is_named() {
     let text = folder.path().join("text.session");
     std::fs::write(&text, "no session").expect("a file");
     let missing = folder.path().join("missing.session");
-    for (session, why) in [(&text, "not a session file"), (&missing, "No such file")] {
+    for (session, why) in [
+        (&text, "not a session file"),
+        (&missing, "there is no such file"),
+    ] {
         for (language, what) in [
             ("en", "the session cannot be replayed: session "),
-            ("de", "die Aufzeichnung kann nicht abgespielt werden: session "),
+            (
+                "de",
+                "die Aufzeichnung kann nicht abgespielt werden: session ",
+            ),
         ] {
             let mut program = command(["window", "--lang", language, "--replay"]);
             let finished = finish(program.arg(session).env_remove("DISPLAY")).expect(2);
@@ -428,7 +438,10 @@ fn a_session_of_a_module_that_is_not_installed_is_named() {
     let mut program = command(["window", "--replay"]);
     let finished = finish(program.arg(&session).env_remove("DISPLAY")).expect(2);
     let expected = ["cannot be replayed", "elsewhere"];
-    assert!(expected.iter().all(|part| finished.err.contains(part)), "{finished:?}");
+    assert!(
+        expected.iter().all(|part| finished.err.contains(part)),
+        "{finished:?}"
+    );
 }
 
 /// Where there is no display: one sentence, exit status 2, and everything else goes on working.

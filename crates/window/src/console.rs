@@ -7,7 +7,8 @@ use crate::plot::{self, Curve};
 use crate::text::{self, Phrase, local, number};
 use crate::timeline::{self, Mark, TimeLine};
 use eframe::egui::{
-    self, Align, Button, Key, Label, Layout, ProgressBar, RichText, ScrollArea, Ui,
+    self, Align, Button, Key, Label, Layout, ProgressBar, Rect, RichText, ScrollArea, Shape,
+    Stroke, Ui, pos2, vec2,
 };
 use microsim_render::Quality;
 use microsim_report::Report;
@@ -18,7 +19,7 @@ const PANEL: f32 = 290.0;
 /// Height of a plot below it \[points\].
 const PLOT: f32 = 78.0;
 /// What the speeds are called.
-const SPEED_NAMES: [&str; 5] = ["¼", "½", "1", "2", "4"];
+pub const SPEED_NAMES: [&str; 5] = ["¼", "½", "1", "2", "4"];
 
 /// What the viewer asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +64,49 @@ pub fn by_key(key: Key) -> Option<Asked> {
         Key::Num5 => Asked::Speed(4),
         _ => return None,
     })
+}
+
+/// A sign on a button, drawn: fonts do not have them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sign {
+    Begin,
+    Before,
+    Back,
+    Forth,
+    After,
+    End,
+}
+
+/// Whether a button with a sign was pressed; what it means stands under the pointer.
+fn sign_button(ui: &mut Ui, sign: Sign, meaning: &str) -> bool {
+    let button = Button::new("").min_size(vec2(40.0, 31.0));
+    let response = ui.add(button);
+    let (direction, triangles, has_bar) = match sign {
+        Sign::Begin => (-1.0, 1, true),
+        Sign::Before => (-1.0, 2, false),
+        Sign::Back => (-1.0, 1, false),
+        Sign::Forth => (1.0, 1, false),
+        Sign::After => (1.0, 2, false),
+        Sign::End => (1.0, 1, true),
+    };
+    let middle = response.rect.center();
+    let tip =
+        |k: usize| middle.x + direction * (5.0 + 8.0 * k as f32 - 4.0 * (triangles - 1) as f32);
+    for k in 0..triangles {
+        let back = tip(k) - direction * 8.0;
+        let corners = [
+            pos2(tip(k), middle.y),
+            pos2(back, middle.y - 6.0),
+            pos2(back, middle.y + 6.0),
+        ];
+        let triangle = Shape::convex_polygon(corners.into(), look::TEXT, Stroke::NONE);
+        ui.painter().add(triangle);
+    }
+    if has_bar {
+        let bar = Rect::from_center_size(pos2(tip(0), middle.y), vec2(2.0, 12.0));
+        ui.painter().rect_filled(bar, 0.0, look::TEXT);
+    }
+    response.on_hover_text(meaning).clicked()
 }
 
 /// What is shown.
@@ -167,15 +211,17 @@ impl Console<'_> {
 
     fn show_controls(&self, ui: &mut Ui, language: Language, asked: &mut Vec<Asked>) {
         ui.horizontal(|ui| {
-            let mut button = |ui: &mut Ui, sign: &str, meaning: Phrase, wanted| {
-                let meaning = meaning.of(language);
-                if ui.button(sign).on_hover_text(meaning).clicked() {
+            let mut button = |ui: &mut Ui, sign, meaning: Phrase, wanted| {
+                if sign_button(ui, sign, meaning.of(language)) {
                     asked.push(wanted);
                 }
             };
-            button(ui, "⏮", text::TO_THE_BEGIN, Asked::Begin);
-            button(ui, "⏪", text::EVENT_BEFORE, Asked::EventBefore);
-            button(ui, "◀", text::ONE_BACK, Asked::Step(-1));
+            button(ui, Sign::Begin, text::TO_THE_BEGIN, Asked::Begin);
+            button(ui, Sign::Before, text::EVENT_BEFORE, Asked::EventBefore);
+            button(ui, Sign::Back, text::ONE_BACK, Asked::Step(-1));
+            button(ui, Sign::Forth, text::ONE_FORTH, Asked::Step(1));
+            button(ui, Sign::After, text::EVENT_AFTER, Asked::EventAfter);
+            button(ui, Sign::End, text::TO_THE_END, Asked::End);
             let play = match self.plays {
                 true => text::PAUSE,
                 false => text::PLAY,
@@ -185,15 +231,6 @@ impl Console<'_> {
             if ui.add(play.min_size(egui::vec2(110.0, 0.0))).clicked() {
                 asked.push(Asked::PlayOrPause);
             }
-            let mut button = |ui: &mut Ui, sign: &str, meaning: Phrase, wanted| {
-                let meaning = meaning.of(language);
-                if ui.button(sign).on_hover_text(meaning).clicked() {
-                    asked.push(wanted);
-                }
-            };
-            button(ui, "▶", text::ONE_FORTH, Asked::Step(1));
-            button(ui, "⏩", text::EVENT_AFTER, Asked::EventAfter);
-            button(ui, "⏭", text::TO_THE_END, Asked::End);
             ui.add_space(8.0);
             for (place, name) in SPEED_NAMES.iter().enumerate() {
                 let is_chosen = place == self.speed;

@@ -175,7 +175,8 @@ impl Player {
     /// Goes to a tick after the one that is to be shown, or before it, and pauses.
     pub fn step(&self, by: i64) {
         self.ask(|wish, range| {
-            let goal = wish.goal.unwrap_or_default();
+            // What was asked for may lie where there is no tick.
+            let goal = clamped(wish.goal.unwrap_or_default(), &range);
             wish.goal = Some(clamped(goal.saturating_add_signed(by), &range));
             wish.plays = false;
         });

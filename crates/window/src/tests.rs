@@ -192,6 +192,30 @@ fn show_launcher(ui: &mut Ui, launcher: &mut Launcher, language: Language) -> Op
     launcher.show(ui, &offer, language)
 }
 
+/// No text has a letter or sign for which a hollow box would stand.
+#[test]
+fn fonts_have_all_signs_of_all_texts() {
+    let context = egui::Context::default();
+    look::apply(&context);
+    let mut output = context.run_ui(RawInput::default(), |_| ());
+    output.textures_delta.clear();
+    let font = egui::FontId::proportional(15.0);
+    let speeds = crate::console::SPEED_NAMES.map(|name| ("a speed", format!("×{name}")));
+    let phrases = crate::text::ALL.iter().flat_map(|(name, phrase)| {
+        LANGUAGES.map(|language| (*name, phrase.of(language).to_owned()))
+    });
+    let missing: Vec<(&str, char)> = context.fonts_mut(|fonts| {
+        let signs = phrases
+            .chain(speeds)
+            .flat_map(|(name, text)| text.chars().map(|sign| (name, sign)).collect::<Vec<_>>());
+        signs
+            .filter(|(_, sign)| !fonts.has_glyph(&font, *sign))
+            .collect()
+    });
+    assert!(missing.is_empty(), "{missing:?}");
+    assert!(!context.fonts_mut(|fonts| fonts.has_glyph(&font, '\u{e123}')));
+}
+
 #[test]
 fn the_launcher_has_room_for_its_texts() {
     everywhere("launcher", |ui, language| {

@@ -128,10 +128,10 @@ phrases! {
     PAUSE: "Pause", "Pause";
     TO_THE_BEGIN: "zum Anfang (Pos1)", "to the begin (Home)";
     TO_THE_END: "zum Ende (Ende)", "to the end (End)";
-    ONE_BACK: "einen Tick zurück (←)", "one tick back (←)";
-    ONE_FORTH: "einen Tick vor (→)", "one tick forth (→)";
-    EVENT_BEFORE: "zum Ereignis davor (↑)", "to the event before (↑)";
-    EVENT_AFTER: "zum nächsten Ereignis (↓)", "to the next event (↓)";
+    ONE_BACK: "einen Tick zurück (Pfeil links)", "one tick back (left arrow)";
+    ONE_FORTH: "einen Tick vor (Pfeil rechts)", "one tick forth (right arrow)";
+    EVENT_BEFORE: "zum Ereignis davor (Pfeil auf)", "to the event before (arrow up)";
+    EVENT_AFTER: "zum nächsten Ereignis (Pfeil ab)", "to the next event (arrow down)";
     COMPUTED_WITH: "gerechnet mit", "computed at";
     RECORDING_IS_READ: "Die Aufzeichnung wird gelesen und das Gewebe vorbereitet …", "The session is read and the tissue is being prepared …";
     IS_COMPUTED: "Bis dorthin wird neu gerechnet:", "Computed again up to there:";
@@ -141,7 +141,7 @@ phrases! {
     DIFFERS_AT: "Weicht ab bei Tick", "Differs at tick";
     NOT_AS_RECORDED: "Was von dort an zu sehen ist, wurde so nicht aufgezeichnet", "What is shown from there on is not what was recorded";
     REPLAY_ENDED: "Die Wiedergabe ist abgebrochen:", "The replay broke off:";
-    REPLAY_KEYS: "Leertaste: abspielen, Pause · ←, →: ein Tick · ↑, ↓: Ereignis davor, danach · Pos1, Ende · 1 bis 5: Tempo · +, −, Rad: Vergrößerung · I, J, K, L, Ziehen: Bild verschieben · U, O: Schärfe · 0: wie in der Stufe · F2: Bildgüte · Esc: zurück", "Space: play, pause · ←, →: one tick · ↑, ↓: event before, after · Home, End · 1 to 5: speed · +, −, wheel: magnification · I, J, K, L, drag: move the view · U, O: focus · 0: as in the level · F2: picture quality · Esc: back";
+    REPLAY_KEYS: "Leertaste: abspielen, Pause · Pfeil links, rechts: ein Tick · auf, ab: Ereignis davor, danach · Pos1, Ende · 1 bis 5: Tempo · +, −, Rad: Vergrößerung · I, J, K, L, Ziehen: Bild verschieben · U, O: Schärfe · 0: wie in der Stufe · F2: Bildgüte · Esc: zurück", "Space: play, pause · arrows left, right: one tick · up, down: event before, after · Home, End · 1 to 5: speed · +, −, wheel: magnification · I, J, K, L, drag: move the view · U, O: focus · 0: as in the level · F2: picture quality · Esc: back";
 
     ALL_GROUPS: "alle Gruppen", "all groups";
     EVERYBODY: "Alle", "Everybody";

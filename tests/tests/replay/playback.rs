@@ -3,12 +3,14 @@
 use crate::{PUSH_STRIP, pushed_strip, recorded_hand, session};
 use microsim_host::assemble::{Installation, locate};
 use microsim_host::playback::{Moment, Playback, PlaybackOptions};
-use microsim_host::record::kind;
+use microsim_host::record::{Session, kind};
 use microsim_host::run::RunError;
 use microsim_message::{InputSample, Message, ObjectScene, TissueCut, ToolStates};
 use microsim_random::SplitMix64;
 use microsim_session::digest;
-use microsim_tests::alter::{change_message, change_tick, last_bit_flipped, rewrite};
+use microsim_tests::alter::{
+    change_message, change_tick, last_bit_flipped, rewrite, ticks_with_samples,
+};
 use microsim_tests::{run, scratch, tree, verify};
 use serde_json::Value;
 use std::fs;
@@ -168,12 +170,15 @@ fn an_altered_session_is_named_by_its_tick() {
             states.tools[0].opening = 0.5
         });
     });
-    let of_input = change_tick(bytes, 777, |record| {
+    let session = Session::read(bytes).expect("a session");
+    let samples = ticks_with_samples(&session);
+    let with_sample = samples[samples.len() / 3];
+    let of_input = change_tick(bytes, with_sample, |record| {
         change_message(&mut record.log, |sample: &mut InputSample| {
             sample.pose.position[0] = last_bit_flipped(sample.pose.position[0]);
         });
     });
-    for (bytes, tick) in [(of_plugin, 1234), (of_input, 777)] {
+    for (bytes, tick) in [(of_plugin, 1234), (of_input, with_sample)] {
         let mut playback = played(&bytes, MUCH);
         for _ in 0..tick {
             playback.step().expect("a tick").expect("not the end");
