@@ -206,7 +206,6 @@ fn replay(display: &Display) {
         knob(shot).filter(|x| *x > begin + 60.0)
     });
     display.key("space");
-    keep(display, "window-replay");
     // Forty ticks back are at least eight pixels of the time line of a run of less than a minute. What is on its way to the picture when it pauses comes before.
     let (_, paused) = display.wait_for("that it pauses", most, |_| {
         let before = knob(&display.shot())?;
@@ -229,6 +228,7 @@ fn replay(display: &Display) {
         None,
         "nothing differs"
     );
+    keep(display, "window-replay");
     display.key("Home");
     display.wait_for("the begin", most, |shot| {
         some(shot.find(view, is_mark), 60)?;
