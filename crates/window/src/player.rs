@@ -69,7 +69,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// A session that is played.
 pub struct Player {
     exchange: Arc<Exchange>,
-    thread: Option<JoinHandle<()>>,
+    thread: JoinHandle<()>,
 }
 
 impl Player {
@@ -114,10 +114,7 @@ impl Player {
         let thread = thread
             .spawn(play)
             .map_err(|e| format!("no thread for the replay: {e}"))?;
-        Ok(Self {
-            exchange,
-            thread: Some(thread),
-        })
+        Ok(Self { exchange, thread })
     }
 
     /// The state that is to be shown, if it was not taken yet.
@@ -128,11 +125,15 @@ impl Player {
     /// How far it is.
     pub fn state(&self) -> State {
         let mut state = lock(&self.exchange.state).clone();
-        let has_panicked = self.thread.as_ref().is_some_and(JoinHandle::is_finished);
-        if has_panicked && state.failure.is_none() {
+        if self.thread.is_finished() && state.failure.is_none() {
             state.failure = Some("the replay panicked: a bug of MicroSim".into());
         }
         state
+    }
+
+    /// The tick that is to be shown.
+    pub fn goal(&self) -> Option<u64> {
+        lock(&self.exchange.wish).goal
     }
 
     /// Whether it plays.
@@ -192,12 +193,9 @@ fn clamped(tick: u64, range: &Range<u64>) -> u64 {
 }
 
 impl Drop for Player {
-    /// Waits for the tick that is being computed.
+    /// Its thread ends by itself after what it computes now: preparing tissue may take seconds, and nothing waits for what nobody looks at.
     fn drop(&mut self) {
         self.ask(|wish, _| wish.ends = true);
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
     }
 }
 

@@ -126,9 +126,7 @@ impl Replay {
         });
         let mut outcome = None;
         for asked in asked {
-            outcome = self
-                .follow(asked, state.shown.unwrap_or(state.range.start))
-                .or(outcome);
+            outcome = self.follow(asked).or(outcome);
         }
         outcome
     }
@@ -185,8 +183,10 @@ impl Replay {
         }
     }
 
-    /// Does what is asked for; `shown` is the tick that is shown.
-    fn follow(&mut self, asked: Asked, shown: u64) -> Option<Outcome> {
+    /// Does what is asked for.
+    fn follow(&mut self, asked: Asked) -> Option<Outcome> {
+        // Where it goes, though it may not be there yet.
+        let goal = self.player.goal().unwrap_or_default();
         match asked {
             Asked::Back => return Some(Outcome::Back),
             Asked::Language => return Some(Outcome::Language),
@@ -197,12 +197,12 @@ impl Replay {
             Asked::End => self.player.go_to(u64::MAX),
             Asked::Step(by) => self.player.step(by),
             Asked::EventBefore => {
-                if let Some(tick) = timeline::previous(&self.marks, shown) {
+                if let Some(tick) = timeline::previous(&self.marks, goal) {
                     self.player.go_to(tick);
                 }
             }
             Asked::EventAfter => {
-                if let Some(tick) = timeline::next(&self.marks, shown) {
+                if let Some(tick) = timeline::next(&self.marks, goal) {
                     self.player.go_to(tick);
                 }
             }
