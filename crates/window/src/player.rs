@@ -124,8 +124,10 @@ impl Player {
 
     /// How far it is.
     pub fn state(&self) -> State {
+        // First, so that a reason that comes meanwhile is not missed.
+        let has_ended = self.thread.is_finished();
         let mut state = lock(&self.exchange.state).clone();
-        if self.thread.is_finished() && state.failure.is_none() {
+        if has_ended && state.failure.is_none() {
             state.failure = Some("the replay panicked: a bug of MicroSim".into());
         }
         state
