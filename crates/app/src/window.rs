@@ -11,6 +11,7 @@ use crate::log;
 use crate::names::shown;
 use crate::output::{Exit, Problem, complain};
 use crate::records::{self, Attempt, RunRecord};
+use crate::replace_file::replace;
 use crate::report::write_beside;
 use crate::session_file::{find, installation, read_around, report_of};
 use crate::station;
@@ -19,7 +20,7 @@ use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::run::{Operator, Realtime, RunOptions, RunOutcome, run};
 use microsim_message::{LocalText, SetupFile};
 use microsim_report::{Language, Page};
-use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig};
+use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig, WindowSettings};
 use microsim_store::Id;
 use microsim_window::{
     Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Opening, Recording, Station,
@@ -30,10 +31,16 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime};
 
+/// The file of how the window looks.
+const FILE: &str = "window.toml";
+
 /// Shows the window until it is closed.
 pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
+    let file = installation.setting(FILE);
+    let settings = settings::load_window(&file).map_err(|e| e.to_string())?.settings;
     let language = args.lang.as_deref().and_then(Language::from_name);
+    let language = language.or(settings.language);
     let language = language.unwrap_or(installation.host.report.language);
     let trainee = args.trainee.as_deref().map(|name| {
         let store = records::must_read(place)?;
@@ -56,6 +63,7 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     });
     let opening = Opening {
         language,
+        settings,
         choice: choice.transpose()?,
         begins: args.module.is_some(),
         replay: replay.transpose()?.map(Box::new),
@@ -255,6 +263,19 @@ impl Station for AtThisPlace {
             Ok(session) => Ok(Box::new(session)),
             Err(problem) => Err(text(problem)),
         }
+    }
+
+    fn store_settings(&self, settings: &WindowSettings) -> Result<PathBuf, String> {
+        if self.place.config.is_some() {
+            return Err(format!(
+                "not stored: with --config no {FILE} of this station counts"
+            ));
+        }
+        let folder = Folders::of(&self.place)?.config;
+        folders::make(&folder)?;
+        let file = folder.join(FILE);
+        replace(&file, settings.text().as_bytes()).map_err(text)?;
+        Ok(file)
     }
 
     fn replay(&self, session: &Path) -> Result<Box<dyn Recording>, String> {

@@ -127,6 +127,8 @@ pub struct Console<'a> {
     pub magnification: f64,
     /// How much is done for a picture.
     pub quality: Quality,
+    /// Whether what happened stands beside the picture, and the curves below it.
+    pub panels: bool,
 }
 
 impl Console<'_> {
@@ -149,10 +151,12 @@ impl Console<'_> {
                 self.show_time(ui, language, &mut asked);
                 ui.add_space(4.0);
             });
-        egui::Panel::right("events")
-            .exact_size(PANEL)
-            .resizable(false)
-            .show(ui, |ui| self.show_events(ui, language, &mut asked));
+        if self.panels {
+            egui::Panel::right("events")
+                .exact_size(PANEL)
+                .resizable(false)
+                .show(ui, |ui| self.show_events(ui, language, &mut asked));
+        }
         asked
     }
 
@@ -293,7 +297,7 @@ impl Console<'_> {
             .zip(titles)
             .filter(|(curves, _)| !curves.is_empty())
             .collect();
-        if plots.is_empty() {
+        if plots.is_empty() || !self.panels {
             return;
         }
         ui.columns(plots.len(), |columns| {

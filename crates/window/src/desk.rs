@@ -1,5 +1,6 @@
 //! Which screen is shown, and what leads from one to the next.
 
+use crate::appearance::{self, Appearance};
 use crate::debrief::{self, Next};
 use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
@@ -11,7 +12,8 @@ use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, Traine
 use crate::text;
 use crate::training::{Outcome, Training};
 use crate::upkeep::{self, Upkeep};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Key, RichText, Ui};
+use microsim_settings::WindowSettings;
 use microsim_vocabulary::Language;
 use std::fmt;
 
@@ -20,6 +22,8 @@ use std::fmt;
 pub struct Opening {
     /// Language of all texts; the operator can change it.
     pub language: Language,
+    /// How it looks.
+    pub settings: WindowSettings,
     /// A level that is chosen, or begun at once.
     pub choice: Option<Choice>,
     /// Whether it begins at once.
@@ -62,6 +66,7 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
             .with_title("MicroSim")
             .with_app_id("microsim")
             .with_inner_size(opening.size)
+            .with_fullscreen(opening.settings.full_screen)
             .with_min_inner_size([1000.0, 640.0]),
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()
@@ -83,6 +88,7 @@ enum Screen {
     Replay(Box<Replay>, Choice),
     Records(Box<Records>),
     Upkeep,
+    Settings(Appearance),
     /// Why a level did not begin, or has nothing to show.
     Complaint(String),
 }
@@ -90,6 +96,7 @@ enum Screen {
 struct Desk {
     station: Box<dyn Station>,
     language: Language,
+    settings: WindowSettings,
     catalogue: Catalogue,
     trainees: Result<Vec<TraineeEntry>, String>,
     launcher: Launcher,
@@ -106,12 +113,14 @@ impl Desk {
         opening: Opening,
     ) -> Result<Self, String> {
         let state = context.wgpu_render_state.as_ref();
-        let field = Field::new(state.ok_or("the window has no graphics device")?)?;
+        let mut field = Field::new(state.ok_or("the window has no graphics device")?)?;
+        field.set(&opening.settings);
         look::apply(&context.egui_ctx);
         let catalogue = station.catalogue();
         let mut desk = Self {
             trainees: station.trainees(),
             language: opening.language,
+            settings: opening.settings,
             launcher: Launcher::default(),
             upkeep: Upkeep::default(),
             screen: Screen::Launcher,
@@ -205,9 +214,10 @@ impl Desk {
         let Screen::Replay(replay, _) = &mut self.screen else {
             return;
         };
-        match replay.show(ui, &mut self.field, self.language) {
+        let panels = self.settings.panels;
+        match replay.show(ui, &mut self.field, panels, self.language) {
             None => {}
-            Some(replay::Outcome::Language) => self.language = other(self.language),
+            Some(replay::Outcome::Language) => self.change_language(),
             Some(replay::Outcome::Back) => {
                 let shown = std::mem::replace(&mut self.screen, Screen::Launcher);
                 if let Screen::Replay(replay, choice) = shown {
@@ -227,8 +237,9 @@ impl Desk {
         };
         match self.launcher.show(ui, &offer, self.language) {
             None => {}
-            Some(Wanted::Language) => self.language = other(self.language),
+            Some(Wanted::Language) => self.change_language(),
             Some(Wanted::Records) => self.open_records(),
+            Some(Wanted::Settings) => self.screen = Screen::Settings(Appearance::default()),
             Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
             Some(Wanted::Begin(choice)) => {
                 let context = ui.ctx().clone();
@@ -243,6 +254,64 @@ impl Desk {
         self.screen = Screen::Records(Box::new(records));
     }
 
+    fn show_settings(&mut self, ui: &mut Ui) {
+        let Screen::Settings(appearance) = &mut self.screen else {
+            return;
+        };
+        let mut settings = self.settings;
+        match appearance.show(ui, &mut settings, self.language) {
+            None => {}
+            Some(appearance::Wanted::Changed) => self.set(settings, ui),
+            Some(appearance::Wanted::Store) => {
+                let stored = self.station.store_settings(&settings);
+                appearance.message = Some(match stored {
+                    Ok(file) => {
+                        let stored_in = text::STORED_IN.of(self.language);
+                        (format!("{stored_in} {}", file.display()), false)
+                    }
+                    Err(why) => (why, true),
+                });
+            }
+            Some(appearance::Wanted::Back) => self.screen = Screen::Launcher,
+        }
+    }
+
+    /// From now on it looks like this.
+    fn set(&mut self, settings: WindowSettings, ui: &Ui) {
+        if settings.full_screen != self.settings.full_screen {
+            ui.send_viewport_cmd(egui::ViewportCommand::Fullscreen(settings.full_screen));
+        }
+        if settings.language != self.settings.language {
+            self.language = settings.language.unwrap_or(self.language);
+        }
+        let of_panels = WindowSettings {
+            panels: settings.panels,
+            full_screen: settings.full_screen,
+            ..self.settings
+        };
+        // What is measured of the machine is measured once.
+        if of_panels != settings {
+            self.field.set(&settings);
+        }
+        self.settings = settings;
+    }
+
+    /// The other language, which is stored with the settings if they are.
+    fn change_language(&mut self) {
+        self.language = other(self.language);
+        self.settings.language = Some(self.language);
+    }
+
+    /// Keys that work on every screen.
+    fn set_by_keys(&mut self, ui: &Ui) {
+        let mut settings = self.settings;
+        settings.full_screen ^= ui.input(|input| input.key_pressed(Key::F11));
+        settings.panels ^= ui.input(|input| input.key_pressed(Key::F3));
+        if settings != self.settings {
+            self.set(settings, ui);
+        }
+    }
+
     fn open_upkeep(&mut self) {
         self.upkeep.read(&*self.station);
         self.screen = Screen::Upkeep;
@@ -251,7 +320,7 @@ impl Desk {
     fn show_upkeep(&mut self, ui: &mut Ui) {
         match self.upkeep.show(ui, &*self.station, self.language) {
             None => {}
-            Some(upkeep::Wanted::Language) => self.language = other(self.language),
+            Some(upkeep::Wanted::Language) => self.change_language(),
             Some(upkeep::Wanted::Back) => self.open_records(),
         }
     }
@@ -289,7 +358,7 @@ impl Desk {
         };
         match records.show(ui, &*self.station, self.language) {
             None => {}
-            Some(records::Wanted::Language) => self.language = other(self.language),
+            Some(records::Wanted::Language) => self.change_language(),
             Some(records::Wanted::Upkeep) => self.open_upkeep(),
             Some(records::Wanted::Back) => {
                 // Who is there may have changed.
@@ -347,14 +416,22 @@ impl eframe::App for Desk {
         if takes_files && !ui.input(|input| input.raw.dropped_files.is_empty()) {
             self.open_upkeep();
         }
+        self.set_by_keys(ui);
+        let panels = self.settings.panels;
         match &mut self.screen {
+            Screen::Settings(_) => self.show_settings(ui),
             Screen::Launcher => self.show_launcher(ui),
             Screen::Debrief(..) => self.show_debrief(ui),
             Screen::Replay(..) => self.show_replay(ui),
             Screen::Records(_) => self.show_records(ui),
             Screen::Upkeep => self.show_upkeep(ui),
             Screen::Complaint(_) => self.show_complaint(ui),
-            Screen::Training(training) => match training.show(ui, &mut self.field, self.language) {
+            Screen::Training(training) => match training.show(
+                ui,
+                &mut self.field,
+                panels,
+                self.language,
+            ) {
                 None => {}
                 Some(Outcome::Back) => self.screen = Screen::Launcher,
                 Some(Outcome::Restart) => {

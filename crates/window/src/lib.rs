@@ -15,6 +15,7 @@
 //!   with the states `nearby` in memory.
 //! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
+//! - `appearance`: the settings screen.
 //! - `upkeep`: courses and the store as a whole, with `work` that goes on beside the window's thread.
 //! - `look`: colours and sizes; `text`: all texts.
 //!
@@ -22,6 +23,7 @@
 
 #![forbid(unsafe_code)]
 
+mod appearance;
 mod attempts;
 mod canvas;
 mod console;

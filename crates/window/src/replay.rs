@@ -83,7 +83,13 @@ impl Replay {
     }
 
     /// Shows it, and does what is asked for.
-    pub fn show(&mut self, ui: &mut Ui, field: &mut Field, language: Language) -> Option<Outcome> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        field: &mut Field,
+        panels: bool,
+        language: Language,
+    ) -> Option<Outcome> {
         let newest = self.player.take();
         let is_new = newest.is_some();
         self.snapshot = newest.or(self.snapshot.take());
@@ -106,6 +112,7 @@ impl Replay {
             speed: self.player.speed(),
             magnification: self.scope.magnification(),
             quality: field.quality(),
+            panels,
         };
         asked.extend(console.show(ui, language));
         let waiting = match state.is_open && state.range.is_empty() {
@@ -122,7 +129,8 @@ impl Replay {
             };
             let waiting = waiting.of(language);
             let (response, _) = self.canvas.show(ui, field, subject, waiting, language);
-            self.set_scope(ui, &response);
+            let eye = field.eye(response.rect);
+            self.set_scope(ui, &response, eye);
         });
         let mut outcome = None;
         for asked in asked {
@@ -160,7 +168,7 @@ impl Replay {
     }
 
     /// The wheel magnifies, dragging moves the view along with the pointer.
-    fn set_scope(&mut self, ui: &Ui, response: &egui::Response) {
+    fn set_scope(&mut self, ui: &Ui, response: &egui::Response, eye: egui::Rect) {
         let before = self.scope.view();
         let scrolled = f64::from(ui.input(|input| input.smooth_scroll_delta().y));
         if response.hovered() && scrolled != 0.0 {
@@ -169,7 +177,7 @@ impl Replay {
         let dragged = response.drag_delta();
         if response.dragged() && dragged != egui::Vec2::ZERO {
             // The field touches the nearer pair of edges.
-            let size = f64::from(response.rect.size().min_elem().max(1.0));
+            let size = f64::from(eye.size().min_elem().max(1.0));
             let [right, up] = [-f64::from(dragged.x) / size, f64::from(dragged.y) / size];
             self.scope.shift([right, up]);
         }

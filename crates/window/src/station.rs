@@ -4,10 +4,10 @@ use crate::ledger::{Debrief, Ledger};
 use microsim_host::playback::{Moment, Playback, Standing};
 use microsim_host::run::{Operator, RunOutcome};
 use microsim_message::{LocalText, SetupFile};
-use microsim_settings::{Desktop, RendererConfig};
+use microsim_settings::{Desktop, RendererConfig, WindowSettings};
 use std::io::{Read, Seek};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// All that can be trained.
@@ -93,6 +93,12 @@ pub trait Station: Ledger {
     /// # Errors
     /// Why it cannot begin.
     fn begin(&self, choice: &Choice) -> Result<Box<dyn LiveSession>, String>;
+
+    /// Stores how the window looks, for later windows of this station; the file.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    fn store_settings(&self, settings: &WindowSettings) -> Result<PathBuf, String>;
 
     /// A recorded session that can be computed again.
     ///

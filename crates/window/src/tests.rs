@@ -18,6 +18,7 @@ use microsim_settings::{RendererConfig, View};
 use microsim_vocabulary::Language;
 use std::path::PathBuf;
 
+mod appearance;
 mod player;
 mod records;
 mod replay;

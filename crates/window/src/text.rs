@@ -143,6 +143,25 @@ phrases! {
     REPLAY_ENDED: "Die Wiedergabe ist abgebrochen:", "The replay broke off:";
     REPLAY_KEYS: "Leertaste: abspielen, Pause · Pfeil links, rechts: ein Tick · auf, ab: Ereignis davor, danach · Pos1, Ende · 1 bis 5: Tempo · +, −, Rad: Vergrößerung · I, J, K, L, Ziehen: Bild verschieben · U, O: Schärfe · 0: wie in der Stufe · F2: Bildgüte · Esc: zurück", "Space: play, pause · arrows left, right: one tick · up, down: event before, after · Home, End · 1 to 5: speed · +, −, wheel: magnification · I, J, K, L, drag: move the view · U, O: focus · 0: as in the level · F2: picture quality · Esc: back";
 
+    SETTINGS: "Einstellungen", "Settings";
+    LANGUAGE_OF_TEXTS: "Sprache", "Language";
+    AUTOMATIC: "selbsttätig", "automatic";
+    DEPTH_OF_FIELD: "Schärfentiefe", "Depth of field";
+    IF_HIGH: "bei hoher Bildgüte", "where the quality is high";
+    STEREO: "Stereobild", "Stereo picture";
+    MONO: "keines", "none";
+    SIDE_BY_SIDE: "nebeneinander", "side by side";
+    TOP_BOTTOM: "übereinander", "one above the other";
+    ROW_INTERLEAVED: "zeilenweise (Polarisation)", "row by row (polarised)";
+    RED_CYAN: "rot und türkis (Brille aus Papier)", "red and cyan (glasses of paper)";
+    STEREO_BASE: "Abstand der Augen im Objektiv", "Distance of the eyes in the main lens";
+    WORKING_DISTANCE: "Arbeitsabstand", "Working distance";
+    FULL_SCREEN: "Ganzer Bildschirm", "Full screen";
+    PANELS: "Angaben neben dem Bild", "Panels beside the picture";
+    STORE_SETTINGS: "Für diese Station speichern", "Store for this station";
+    HOLDS_AT_ONCE: "Was geändert ist, gilt sofort, und nach dem Speichern auch für spätere Fenster", "What is changed holds at once, and once it is stored for later windows, too";
+    STORED_IN: "Gespeichert in", "Stored in";
+
     ALL_GROUPS: "alle Gruppen", "all groups";
     EVERYBODY: "Alle", "Everybody";
     SEARCH: "Name suchen", "Find a name";

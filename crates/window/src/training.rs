@@ -97,7 +97,13 @@ impl Training {
     }
 
     /// Shows it, and hands on what mouse and keyboard ask for.
-    pub fn show(&mut self, ui: &mut Ui, field: &mut Field, language: Language) -> Option<Outcome> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        field: &mut Field,
+        panels: bool,
+        language: Language,
+    ) -> Option<Outcome> {
         if let Some(ended) = self.live.ended() {
             return Some(Outcome::Ended(ended));
         }
@@ -107,11 +113,15 @@ impl Training {
         let newest = self.live.take();
         let is_new = newest.is_some();
         self.snapshot = newest.or(self.snapshot.take());
-        self.show_task(ui, language);
+        if panels {
+            self.show_task(ui, language);
+        }
         if ui.input(|input| input.key_pressed(Key::F2)) {
             field.change_quality();
         }
-        self.show_instruments(ui, field.quality(), language);
+        if panels {
+            self.show_instruments(ui, field.quality(), language);
+        }
         let shown = egui::CentralPanel::default()
             .frame(egui::Frame::NONE.fill(egui::Color32::BLACK))
             .show(ui, |ui| self.show_picture(ui, field, is_new, language));
@@ -130,7 +140,7 @@ impl Training {
         }
         if let Some(hands) = &mut self.hands {
             hands.look(self.scope.view());
-            let wishes = ui.input(|input| hands.wishes(input, picture));
+            let wishes = ui.input(|input| hands.wishes(input, field.eye(picture)));
             wishes.into_iter().for_each(|wish| self.live.wish(wish));
         }
         None

@@ -60,6 +60,7 @@ fn show(ui: &mut Ui, report: &Report, state: &State, language: Language) -> Vec<
         speed: 2,
         magnification: 12.5,
         quality: Quality::Medium,
+        panels: true,
     };
     console.show(ui, language)
 }
