@@ -38,7 +38,9 @@ const FILE: &str = "window.toml";
 pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
     let file = installation.setting(FILE);
-    let settings = settings::load_window(&file).map_err(|e| e.to_string())?.settings;
+    let settings = settings::load_window(&file)
+        .map_err(|e| e.to_string())?
+        .settings;
     let language = args.lang.as_deref().and_then(Language::from_name);
     let language = language.or(settings.language);
     let language = language.unwrap_or(installation.host.report.language);

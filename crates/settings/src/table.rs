@@ -3,8 +3,8 @@
 use crate::colour::Colour;
 use crate::schema::{Key, Kind, Presence};
 use microsim_vocabulary::{
-    Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation, Language,
-    LocalText, MethodName, Overflow, PictureQuality, PluginKind, Unit,
+    Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation,
+    Language, LocalText, MethodName, Overflow, PictureQuality, PluginKind, Unit,
 };
 use serde_json::Value;
 

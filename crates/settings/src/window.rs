@@ -56,7 +56,9 @@ impl WindowSettings {
     /// The file that has them: lengths to a micrometre.
     pub fn text(&self) -> String {
         let millimetres = |length: f64| (1e6 * length).round() / 1e3;
-        let language = self.language.map(|language| format!("language = \"{}\"\n", language.name()));
+        let language = self
+            .language
+            .map(|language| format!("language = \"{}\"\n", language.name()));
         format!(
             "# How the window looks; written by its settings screen. `microsim schema window --markdown` lists all keys.\n\
              {}quality = \"{}\"\nstereo = \"{}\"\nstereo_base = \"{} mm\"\nworking_distance = \"{} mm\"\n\
@@ -105,7 +107,10 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        assert_eq!(read(&WindowSettings::default().text()), WindowSettings::default());
+        assert_eq!(
+            read(&WindowSettings::default().text()),
+            WindowSettings::default()
+        );
         for stereo in EyeLayout::ALL {
             for quality in PictureQuality::ALL {
                 let settings = WindowSettings {

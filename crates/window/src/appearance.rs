@@ -131,7 +131,10 @@ impl Appearance {
 
 fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language) {
     row(ui, text::LANGUAGE_OF_TEXTS, language, |ui| {
-        for (of, name) in [(Language::German, "Deutsch"), (Language::English, "English")] {
+        for (of, name) in [
+            (Language::German, "Deutsch"),
+            (Language::English, "English"),
+        ] {
             if ui.add(Button::selectable(language == of, name)).clicked() {
                 settings.language = Some(of);
             }
@@ -158,10 +161,20 @@ fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language)
             });
     });
     row(ui, text::STEREO_BASE, language, |ui| {
-        length(ui, &mut settings.stereo_base, [-BASE_MAX, BASE_MAX], language);
+        length(
+            ui,
+            &mut settings.stereo_base,
+            [-BASE_MAX, BASE_MAX],
+            language,
+        );
     });
     row(ui, text::WORKING_DISTANCE, language, |ui| {
-        length(ui, &mut settings.working_distance, WORKING_DISTANCES, language);
+        length(
+            ui,
+            &mut settings.working_distance,
+            WORKING_DISTANCES,
+            language,
+        );
     });
     row(ui, text::FULL_SCREEN, language, |ui| {
         ui.checkbox(&mut settings.full_screen, "F11");

@@ -426,25 +426,22 @@ impl eframe::App for Desk {
             Screen::Records(_) => self.show_records(ui),
             Screen::Upkeep => self.show_upkeep(ui),
             Screen::Complaint(_) => self.show_complaint(ui),
-            Screen::Training(training) => match training.show(
-                ui,
-                &mut self.field,
-                panels,
-                self.language,
-            ) {
-                None => {}
-                Some(Outcome::Back) => self.screen = Screen::Launcher,
-                Some(Outcome::Restart) => {
-                    let (choice, context) = (training.choice.clone(), ui.ctx().clone());
-                    self.begin(choice, &context);
+            Screen::Training(training) => {
+                match training.show(ui, &mut self.field, panels, self.language) {
+                    None => {}
+                    Some(Outcome::Back) => self.screen = Screen::Launcher,
+                    Some(Outcome::Restart) => {
+                        let (choice, context) = (training.choice.clone(), ui.ctx().clone());
+                        self.begin(choice, &context);
+                    }
+                    Some(Outcome::Ended(Ok(debrief))) => {
+                        let choice = training.choice.clone();
+                        self.screen = Screen::Debrief(debrief, choice);
+                        ui.ctx().request_repaint();
+                    }
+                    Some(Outcome::Ended(Err(why))) => self.screen = Screen::Complaint(why),
                 }
-                Some(Outcome::Ended(Ok(debrief))) => {
-                    let choice = training.choice.clone();
-                    self.screen = Screen::Debrief(debrief, choice);
-                    ui.ctx().request_repaint();
-                }
-                Some(Outcome::Ended(Err(why))) => self.screen = Screen::Complaint(why),
-            },
+            }
         }
     }
 

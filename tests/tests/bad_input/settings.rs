@@ -178,13 +178,25 @@ fn the_settings_of_the_window() {
         let before = text.split(to).next().expect("the text");
         let complaint = format!("{}:{}{says}", path.display(), before.lines().count() + 1);
         let mut window = tree.command(&["window"]);
-        let printed: Finished = window.env_remove("DISPLAY").output().expect("it runs").into();
+        let printed: Finished = window
+            .env_remove("DISPLAY")
+            .output()
+            .expect("it runs")
+            .into();
         let printed = printed.expect(2);
-        assert!(printed.err.contains(&complaint), "expected {complaint} in {printed:?}");
+        assert!(
+            printed.err.contains(&complaint),
+            "expected {complaint} in {printed:?}"
+        );
         let place = path.display().to_string();
         let check = tree.microsim(&["check", &place, "--json"]).expect(1).json();
         let quoted = json!(complaint).to_string();
-        assert!(check["problems"].to_string().contains(quoted.trim_matches('"')), "{check}");
+        assert!(
+            check["problems"]
+                .to_string()
+                .contains(quoted.trim_matches('"')),
+            "{check}"
+        );
         run(&tree, "script:short.toml", &[]).expect(0);
     }
 }

@@ -11,8 +11,14 @@ use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
 fn the_settings_have_room_for_their_texts() {
     let messages = [
         None,
-        Some((format!("Stored in /home/somebody/{LONG}/window.toml"), false)),
-        Some((format!("/home/somebody/{LONG}/window.toml cannot be written"), true)),
+        Some((
+            format!("Stored in /home/somebody/{LONG}/window.toml"),
+            false,
+        )),
+        Some((
+            format!("/home/somebody/{LONG}/window.toml cannot be written"),
+            true,
+        )),
     ];
     for message in messages {
         let mut appearance = Appearance { message };
@@ -41,7 +47,10 @@ fn click(settings: &mut WindowSettings, text: &str) -> Option<Wanted> {
         wanted = appearance.show(ui, settings, Language::English).or(wanted);
     });
     if wanted == Some(Wanted::Changed) {
-        assert_eq!(appearance.message, None, "what was stored is not what holds now");
+        assert_eq!(
+            appearance.message, None,
+            "what was stored is not what holds now"
+        );
     }
     wanted
 }
@@ -61,8 +70,14 @@ fn settings_are_changed_by_mouse() {
         ..WindowSettings::default()
     };
     assert_eq!(settings, expected);
-    assert_eq!(click(&mut settings, "Store for this station"), Some(Wanted::Store));
-    assert_eq!(click(&mut settings, "Back to the modules"), Some(Wanted::Back));
+    assert_eq!(
+        click(&mut settings, "Store for this station"),
+        Some(Wanted::Store)
+    );
+    assert_eq!(
+        click(&mut settings, "Back to the modules"),
+        Some(Wanted::Back)
+    );
     assert_eq!(settings, expected);
 }
 
