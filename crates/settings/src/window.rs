@@ -5,7 +5,7 @@ use crate::error::ConfigErrors;
 use crate::files::schema_of;
 use crate::kinds::quantity;
 use crate::table::table;
-use microsim_vocabulary::{EyeLayout, Language, PictureQuality, Term, Unit};
+use microsim_vocabulary::{EyeLayout, Language, PictureQuality, Unit};
 use std::path::Path;
 
 /// Farthest eyes \[m\].
@@ -115,8 +115,8 @@ mod tests {
             for quality in PictureQuality::ALL {
                 let settings = WindowSettings {
                     language: Some(Language::German),
-                    quality: *quality,
-                    stereo: *stereo,
+                    quality,
+                    stereo,
                     stereo_base: -0.0225,
                     working_distance: 0.4,
                     depth_of_field: false,

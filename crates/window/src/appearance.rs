@@ -6,7 +6,7 @@ use eframe::egui::{
     self, Align, Button, ComboBox, Key, Label, Layout, RichText, ScrollArea, Slider, Ui,
 };
 use microsim_settings::{BASE_MAX, WORKING_DISTANCES, WindowSettings};
-use microsim_vocabulary::{EyeLayout, Language, PictureQuality, Term};
+use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
 
 /// Width of the names of settings \[points\].
 const NAMES: f32 = 300.0;
@@ -142,8 +142,8 @@ fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language)
     });
     row(ui, text::QUALITY, language, |ui| {
         for quality in PictureQuality::ALL {
-            let name = quality_name(*quality).of(language);
-            ui.selectable_value(&mut settings.quality, *quality, name);
+            let name = quality_name(quality).of(language);
+            ui.selectable_value(&mut settings.quality, quality, name);
         }
     });
     row(ui, text::DEPTH_OF_FIELD, language, |ui| {
@@ -155,8 +155,8 @@ fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language)
             .width(320.0)
             .show_ui(ui, |ui| {
                 for layout in EyeLayout::ALL {
-                    let name = layout_name(*layout).of(language);
-                    ui.selectable_value(&mut settings.stereo, *layout, name);
+                    let name = layout_name(layout).of(language);
+                    ui.selectable_value(&mut settings.stereo, layout, name);
                 }
             });
     });
