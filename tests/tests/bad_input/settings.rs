@@ -164,12 +164,12 @@ fn the_settings_of_the_window() {
         (
             "working_distance = \"250 mm\"",
             "working_distance = \"250 Hz\"",
-            ":20: key `working_distance`: found the text `250 Hz` (a frequency), expected a length from 200 mm to 450 mm",
+            ":20: key `working_distance`: found the text `250 Hz` (a frequency), expected a length from 20 cm to 45 cm",
         ),
         (
             "stereo = \"mono\"",
             "stereo = \"both\"",
-            ":10: key `stereo`: found `both`, expected `mono`, `side-by-side`, `top-bottom`, `row-interleaved` or `red-cyan`",
+            ":10: key `stereo`: found the text `both`, expected \"mono\", \"side-by-side\", \"top-bottom\", \"row-interleaved\" or \"red-cyan\"",
         ),
     ] {
         let tree = tree();
