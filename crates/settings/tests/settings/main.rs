@@ -63,6 +63,7 @@ fn read(kind: &str, text: &str) -> Result<Value, ConfigErrors> {
         "chart" => read_chart(text, file)?.document,
         "tool" => read_tool(text, file)?.document,
         "vessel" => read_vessel(text, file)?.document,
+        "window" => read_window(text, file)?.document,
         "translator" => read_translator(text, file)?.document,
         "recording" => read_recording_map(text, file)?.document,
         "script" => read_script(text, file)?.document,
