@@ -22,7 +22,11 @@ const RECORDS: [i32; 2] = [955, 24];
 const FIRST_NAME: [i32; 2] = [150, 145];
 const COMPARE: [i32; 2] = [380, 120];
 const EXPORT: [i32; 2] = [500, 645];
-/// There: the button of courses and data; on its screen the first course, the line for a path and the button that reads the file.
+/// The button of settings in the launcher; on their screen the language and the button that stores them.
+const SETTINGS: [i32; 2] = [1083, 24];
+const GERMAN: [i32; 2] = [350, 72];
+const STORE: [i32; 2] = [80, 665];
+/// On the screen of trainees and results the button of courses and data; on that screen the first course, the line for a path and the button that reads the file.
 const DATA: [i32; 2] = [935, 24];
 const FIRST_COURSE: [i32; 2] = [150, 80];
 const PATH: [i32; 2] = [400, 493];
@@ -352,6 +356,56 @@ fn four_clicks_find_compare_and_export() {
     assert_eq!(column("groups"), BTreeSet::from(["2026"]));
     assert_eq!(column("name"), BTreeSet::from(["A. Muster", "B. Beispiel"]));
     read_files(&display, &station, click);
+}
+
+/// The settings are changed and stored by mouse; the next window has them, and the program refuses none of what was written.
+#[test]
+fn settings_are_stored_for_the_station() {
+    let Some(display) = or_skipped("a display without a screen", Display::open()) else {
+        return;
+    };
+    let pictures = &microsim(["doctor", "--json"]).json()["pictures"];
+    if pictures["on"] != true {
+        eprintln!("SKIPPED: {}", pictures["why"]);
+        return;
+    }
+    let station = Station::new();
+    let most = Duration::from_secs(60);
+    let _window = window(&display, &station.data(), &["window", "--size", "1280x720"]);
+    let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
+    let launcher = |shot: &Shot| some(shot.find([[0, 60], [500, 700]], is_text), 500);
+    display.wait_for("the launcher", most, launcher);
+    let click = |place: [i32; 2]| {
+        display.point(place);
+        // A window learns of the pointer with its next picture.
+        std::thread::sleep(Duration::from_millis(300));
+        display.button(1, true);
+        display.button(1, false);
+    };
+    click(SETTINGS);
+    // Below the eight rows there is nothing, where the launcher has modules.
+    display.wait_for("the settings", most, |shot| {
+        let below = shot.find([[0, 400], [520, 620]], is_text);
+        some(shot.find([[0, 60], [300, 340]], is_text), 200).filter(|_| below.is_none())
+    });
+    keep(&display, "window-settings");
+    click(GERMAN);
+    click(STORE);
+    let file = the_file(
+        &station.data().join("config"),
+        "toml",
+        Duration::from_secs(30),
+    );
+    assert!(file.ends_with("window.toml"), "{}", file.display());
+    display.wait_for("that it is stored", most, |shot| {
+        some(shot.find([[0, 640], [1280, 720]], is_passed), 50)
+    });
+    let text = std::fs::read_to_string(&file).expect("it was written");
+    assert!(
+        text.contains("language = \"de\"\n") && text.contains("stereo = \"mono\""),
+        "{text}"
+    );
+    station.microsim(&["check"]).expect(0);
 }
 
 /// From the results: a course is read from its file, whose path is typed, and shown with the group that takes it; a table with a mistake is refused with its line.
