@@ -1,6 +1,7 @@
 //! The settings screen: how the window looks. What is changed holds at once, and for later windows of this station once it is stored.
 
 use crate::look;
+use crate::rows::cell;
 use crate::text::{self, Phrase, number};
 use eframe::egui::{
     self, Align, Button, ComboBox, Key, Label, Layout, RichText, ScrollArea, Slider, Ui,
@@ -51,10 +52,7 @@ fn layout_name(layout: EyeLayout) -> Phrase {
 /// A row: a name, and what its setting is changed with.
 fn row(ui: &mut Ui, name: Phrase, language: Language, show: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
-        ui.add_sized(
-            [NAMES, 28.0],
-            Label::new(name.of(language)).halign(Align::LEFT).truncate(),
-        );
+        cell(ui, NAMES, Align::Min, name.of(language));
         show(ui);
     });
 }
