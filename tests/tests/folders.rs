@@ -262,6 +262,7 @@ fn settings_of_the_station_take_the_place_of_shipped_ones() {
         ("host.toml", &run[..]),
         ("translator.toml", &run[..]),
         ("openigtlink.toml", &tracker[..]),
+        ("window.toml", &["window"]),
         ("trainees.toml", &trainee[..]),
     ] {
         let station = Station::new();

@@ -262,6 +262,7 @@ fn check_setting(path: &Path) -> Result<Vec<String>, String> {
         "translator.toml" => settings::load_translator(path).map(nothing),
         "openigtlink.toml" => settings::load_openigtlink(path).map(nothing),
         "desktop.toml" => settings::load_desktop(path).map(nothing),
+        "window.toml" => settings::load_window(path).map(nothing),
         _ => settings::load_trainees(path).map(nothing),
     };
     checked.map_err(|e| e.to_string())

@@ -2,6 +2,7 @@
 
 mod jobs;
 mod ledger;
+mod recorded;
 
 use crate::cli::{Place, WindowArgs};
 use crate::folders::{self, Folders};
@@ -10,28 +11,38 @@ use crate::log;
 use crate::names::shown;
 use crate::output::{Exit, Problem, complain};
 use crate::records::{self, Attempt, RunRecord};
+use crate::replace_file::replace;
 use crate::report::write_beside;
-use crate::session_file::{installation, read_around, report_of};
+use crate::session_file::{find, installation, read_around, report_of};
 use crate::station;
 use microsim_host::assemble::{Input, Installation, Request, assemble, renderer_for, title_of};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::run::{Operator, Realtime, RunOptions, RunOutcome, run};
 use microsim_message::{LocalText, SetupFile};
 use microsim_report::{Language, Page};
-use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig};
+use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig, WindowSettings};
 use microsim_store::Id;
 use microsim_window::{
-    Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Opening, Station, ToolEntry,
-    TraineeEntry,
+    Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Opening, Recording, Station,
+    ToolEntry, TraineeEntry,
 };
-use std::path::PathBuf;
+use recorded::Recorded;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime};
+
+/// The file of how the window looks.
+const FILE: &str = "window.toml";
 
 /// Shows the window until it is closed.
 pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     let installation = installation(place)?;
+    let file = installation.setting(FILE);
+    let settings = settings::load_window(&file)
+        .map_err(|e| e.to_string())?
+        .settings;
     let language = args.lang.as_deref().and_then(Language::from_name);
+    let language = language.or(settings.language);
     let language = language.unwrap_or(installation.host.report.language);
     let trainee = args.trainee.as_deref().map(|name| {
         let store = records::must_read(place)?;
@@ -46,10 +57,18 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
             trainee: trainee.clone(),
         })
     });
+    let replay = args.replay.as_deref().map(|session| {
+        let session = find(place, session);
+        let opened = Recorded::new(&installation, &session);
+        let debrief = opened.and_then(|_| recorded::debrief(session));
+        debrief.map_err(|problem| cannot_replay(problem, language))
+    });
     let opening = Opening {
         language,
+        settings,
         choice: choice.transpose()?,
         begins: args.module.is_some(),
+        replay: replay.transpose()?.map(Box::new),
         size: args.size,
     };
     let station = AtThisPlace {
@@ -68,6 +87,18 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     };
     microsim_window::open(Box::new(station), opening)?;
     Ok(Exit::Done)
+}
+
+/// Why a session cannot be replayed, in the language of the window that would have shown it.
+fn cannot_replay(problem: Problem, language: Language) -> Problem {
+    let what = match language {
+        Language::German => "die Aufzeichnung kann nicht abgespielt werden",
+        Language::English => "the session cannot be replayed",
+    };
+    match problem {
+        Problem::Text(why) => Problem::Text(format!("{what}: {why}")),
+        problem => problem,
+    }
 }
 
 /// The installation and the folders of the user.
@@ -234,6 +265,24 @@ impl Station for AtThisPlace {
             Ok(session) => Ok(Box::new(session)),
             Err(problem) => Err(text(problem)),
         }
+    }
+
+    fn store_settings(&self, settings: &WindowSettings) -> Result<PathBuf, String> {
+        if self.place.config.is_some() {
+            return Err(format!(
+                "not stored: with --config no {FILE} of this station counts"
+            ));
+        }
+        let folder = Folders::of(&self.place)?.config;
+        folders::make(&folder)?;
+        let file = folder.join(FILE);
+        replace(&file, settings.text().as_bytes()).map_err(text)?;
+        Ok(file)
+    }
+
+    fn replay(&self, session: &Path) -> Result<Box<dyn Recording>, String> {
+        let recorded = Recorded::new(&self.installation, session).map_err(text)?;
+        Ok(Box::new(recorded))
     }
 }
 

@@ -27,8 +27,9 @@ pub struct Places {
 }
 
 /// The files of `config/` that a station may replace by its own: how it runs, what its trackers are. What is trained and measured is not among them.
-pub const OF_STATION: [&str; 5] = [
+pub const OF_STATION: [&str; 6] = [
     "host.toml",
+    "window.toml",
     "desktop.toml",
     "translator.toml",
     "openigtlink.toml",

@@ -9,6 +9,7 @@
 //! - [`listen`]: a source alone, without a module.
 //! - [`run`]: a run at the edge: wall clock, controls, recording, pictures.
 //! - [`record`], [`replay`]: what stands in a session, and recomputing it.
+//! - [`playback`]: the same, forth and back, for a viewer.
 
 #![allow(
     unsafe_code,
@@ -30,6 +31,7 @@ pub mod loader;
 pub mod parallel;
 pub mod picture;
 pub mod plan;
+pub mod playback;
 pub mod record;
 mod recorder;
 pub mod replay;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::ffi::c_void;
 
 /// A pool of threads, behind a pointer that plugins may hold.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Parallel {
     pool: &'static rayon::ThreadPool,
 }

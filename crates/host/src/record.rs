@@ -276,6 +276,17 @@ pub struct SessionReader<R> {
     /// The first tick: the record before it had to be read first.
     pending: Option<(u64, TickRecord)>,
     closing: Option<EndRecord>,
+    /// Where the tick lies that was read last.
+    place: Place,
+}
+
+/// Where a record lies in its file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// Its first byte.
+    pub offset: usize,
+    /// Its number, from 0.
+    pub sequence: u64,
 }
 
 impl<R: Read> SessionReader<R> {
@@ -313,6 +324,7 @@ impl<R: Read> SessionReader<R> {
             history,
             pending: None,
             closing: None,
+            place: Place::default(),
         };
         reader.pending = reader.next_tick()?;
         Ok(reader)
@@ -321,6 +333,16 @@ impl<R: Read> SessionReader<R> {
     /// All but the ticks. What stands behind them is known when [`SessionReader::next_tick`] has come to the end.
     pub fn session(&self) -> &Session {
         &self.session
+    }
+
+    /// Where the tick lies that was given last.
+    pub(crate) fn place(&self) -> Place {
+        self.place
+    }
+
+    /// The session and its source, wherever that stands.
+    pub(crate) fn into_parts(self) -> (Session, R) {
+        (self.session, self.frames.into_source())
     }
 
     /// The next tick that was computed to its end; `None` when there is no more that can be read.
@@ -332,11 +354,19 @@ impl<R: Read> SessionReader<R> {
             return Ok(None);
         }
         while let Some(frame) = self.frames.next_frame().map_err(unreadable)? {
+            let place = Place {
+                offset: frame.offset,
+                sequence: frame.sequence,
+            };
             let taken = take(&mut self.session, &mut self.closing, &self.history, &frame);
             self.history.add(frame.kind, frame.tick, frame.payload);
             match taken {
                 Ok(None) => {}
-                Ok(Some(record)) => return Ok(Some((frame.tick, record))),
+                Ok(Some(record)) => {
+                    let tick = frame.tick;
+                    self.place = place;
+                    return Ok(Some((tick, record)));
+                }
                 Err(error) => {
                     self.session.damaged = true;
                     self.session.complaint = Some(format!(
@@ -355,7 +385,7 @@ impl<R: Read> SessionReader<R> {
     }
 }
 
-fn unreadable(error: std::io::Error) -> SessionError {
+pub(crate) fn unreadable(error: std::io::Error) -> SessionError {
     SessionError(error.to_string())
 }
 
@@ -409,6 +439,6 @@ fn check_format(frame: &Frame<'_>) -> Result<(), SessionError> {
     }
 }
 
-fn parse<T: serde::de::DeserializeOwned>(frame: &Frame<'_>) -> Result<T, DecodeError> {
+pub(crate) fn parse<T: serde::de::DeserializeOwned>(frame: &Frame<'_>) -> Result<T, DecodeError> {
     decode_bytes(frame.payload)
 }

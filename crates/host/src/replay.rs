@@ -64,31 +64,9 @@ pub fn replay<R: Read>(
         plan.plugins.retain(|p| p.kind != PluginKind::Renderer);
         plan.plugins.push(renderer);
     }
-    let mut rebuilt = Vec::new();
-    // The input is in the ticks, and nothing is recorded again.
-    for plugin in &mut plan.plugins {
-        let drawn = plugin.kind == PluginKind::Renderer && options.pictures.is_some();
-        if plugin.kind.is_observer() && !drawn {
-            continue;
-        }
-        // Sources too: what is installed decides which plugins are sources, and what a source may publish.
-        let mut located = locate(plugin)?;
-        located.hosting.lift_deadline();
-        if located.library_hash != plugin.library_hash && plugin.kind != PluginKind::Source {
-            rebuilt.push(plugin.name.clone());
-        }
-        *plugin = located;
-    }
-    let parallel = match options.threads {
-        0 | 1 => None,
-        n => Some(Parallel::new(n).map_err(RunError::Host)?),
-    };
-    let mut engine = Engine::new(&plan, plan.limits(), parallel, |planned| {
-        if planned.kind == PluginKind::Source {
-            return Ok(None);
-        }
-        load(planned).map(Some).map_err(RunError::from)
-    })?;
+    let draws = options.pictures.is_some();
+    let rebuilt = use_installed(&mut plan, draws, &mut locate)?;
+    let mut engine = engine_of(&plan, parallel(options.threads)?)?;
     if let Some(checkpoint) = &reader.session().resumed {
         engine.resume(checkpoint)?;
     }
@@ -110,6 +88,48 @@ pub fn replay<R: Read>(
     })
 }
 
+/// Puts the installed plugins in the place of those of a recorded plan; those come back whose library is not the one that made the recording.
+pub(crate) fn use_installed(
+    plan: &mut RunPlan,
+    draws: bool,
+    locate: &mut dyn FnMut(&PlannedPlugin) -> Result<PlannedPlugin, RunError>,
+) -> Result<Vec<String>, RunError> {
+    let mut rebuilt = Vec::new();
+    // The input is in the ticks, and nothing is recorded again.
+    for plugin in &mut plan.plugins {
+        let drawn = plugin.kind == PluginKind::Renderer && draws;
+        if plugin.kind.is_observer() && !drawn {
+            continue;
+        }
+        // Sources too: what is installed decides which plugins are sources, and what a source may publish.
+        let mut located = locate(plugin)?;
+        located.hosting.lift_deadline();
+        if located.library_hash != plugin.library_hash && plugin.kind != PluginKind::Source {
+            rebuilt.push(plugin.name.clone());
+        }
+        *plugin = located;
+    }
+    Ok(rebuilt)
+}
+
+/// The threads of a replay; `None` for one, that of the caller.
+pub(crate) fn parallel(threads: usize) -> Result<Option<Parallel>, RunError> {
+    match threads {
+        0 | 1 => Ok(None),
+        n => Parallel::new(n).map(Some).map_err(RunError::Host),
+    }
+}
+
+/// An engine at the beginning of a plan, without its sources.
+pub(crate) fn engine_of(plan: &RunPlan, parallel: Option<Parallel>) -> Result<Engine, RunError> {
+    Engine::new(plan, plan.limits(), parallel, |planned| {
+        if planned.kind == PluginKind::Source {
+            return Ok(None);
+        }
+        load(planned).map(Some).map_err(RunError::from)
+    })
+}
+
 fn recompute<R: Read>(
     engine: &mut Engine,
     plan: &RunPlan,
@@ -117,7 +137,16 @@ fn recompute<R: Read>(
     pictures: &mut Option<Pictures>,
 ) -> Result<Option<Difference>, SessionError> {
     while let Some((tick, recorded)) = reader.next_tick()? {
-        let difference = recompute_tick(engine, plan, (tick, &recorded), pictures);
+        let _tick = span::of_tick(tick);
+        let difference = match recompute_tick(engine, tick, &recorded) {
+            Err(difference) => Some(difference),
+            Ok(computed) => {
+                if let Some(pictures) = pictures {
+                    pictures.handle(tick, plan.tick_ns, &computed.log, || engine.blocks());
+                }
+                computed.difference
+            }
+        };
         if difference.is_some() {
             // To the end all the same: its signatures stand there.
             while reader.next_tick()?.is_some() {}
@@ -127,55 +156,64 @@ fn recompute<R: Read>(
     Ok(recompute_end(engine, reader.session()))
 }
 
-fn differs(tick: u64, what: String) -> Option<Difference> {
-    Some(Difference { tick, what })
+fn difference(tick: u64, what: String) -> Difference {
+    Difference { tick, what }
 }
 
-fn failed(failure: &Failure) -> Option<Difference> {
-    differs(failure.tick, failure.to_string())
+impl From<&Failure> for Difference {
+    fn from(failure: &Failure) -> Self {
+        difference(failure.tick, failure.to_string())
+    }
 }
 
-fn recompute_tick(
+/// A recorded tick that was computed again.
+pub(crate) struct Recomputed {
+    /// All messages that it gave.
+    pub log: Vec<u8>,
+    /// In what it is not what was recorded.
+    pub difference: Option<Difference>,
+}
+
+/// Computes a recorded tick again. `Err`: it could not be computed, and none after it can be.
+pub(crate) fn recompute_tick(
     engine: &mut Engine,
-    plan: &RunPlan,
-    (tick, recorded): (u64, &TickRecord),
-    pictures: &mut Option<Pictures>,
-) -> Option<Difference> {
+    tick: u64,
+    recorded: &TickRecord,
+) -> Result<Recomputed, Difference> {
     if tick != engine.tick_index() {
         let missing = engine.tick_index();
         let what = format!("the recording goes on at tick {tick}, tick {missing} is missing");
-        return differs(tick, what);
+        return Err(difference(tick, what));
     }
-    let _tick = span::of_tick(tick);
-    let output = match engine.tick(Feed::Recorded { log: &recorded.log }) {
-        Ok(output) => output,
-        Err(failure) => return failed(&failure),
-    };
-    if let Some(pictures) = pictures {
-        pictures.handle(tick, plan.tick_ns, &output.log, || engine.blocks());
-    }
+    let output = engine.tick(Feed::Recorded { log: &recorded.log });
+    let output = output.map_err(|failure| Difference::from(&failure))?;
     // The hash alone is not enough: whoever changes a recorded message need not touch it.
-    if output.chain.as_slice() != recorded.chain || output.log != recorded.log {
-        return differs(tick, describe(engine, recorded, &output.log));
-    }
-    let states = recorded.states.as_ref()?;
-    match engine.state_digests(states) {
-        Err(failure) => failed(&failure),
-        Ok(computed) if computed != *states => {
-            let names: Vec<&str> = computed
-                .iter()
-                .zip(states)
-                .filter(|(a, b)| a != b)
-                .map(|(a, _)| a.plugin.as_str())
-                .collect();
-            differs(tick, format!("the state of {} differs", names.join(", ")))
+    let is_same = output.chain.as_slice() == recorded.chain && output.log == recorded.log;
+    let mut found = (!is_same).then(|| difference(tick, describe(engine, recorded, &output.log)));
+    if let Some(states) = &recorded.states {
+        match engine.state_digests(states) {
+            // What differs first is what counts.
+            Err(failure) => return Err(found.unwrap_or_else(|| Difference::from(&failure))),
+            Ok(computed) if computed != *states => {
+                let pairs = computed.iter().zip(states);
+                let names = pairs
+                    .filter(|(a, b)| a != b)
+                    .map(|(a, _)| a.plugin.as_str());
+                let names = names.collect::<Vec<_>>().join(", ");
+                let what = || difference(tick, format!("the state of {names} differs"));
+                found.get_or_insert_with(what);
+            }
+            Ok(_) => {}
         }
-        Ok(_) => None,
     }
+    Ok(Recomputed {
+        log: output.log,
+        difference: found,
+    })
 }
 
 /// What stands behind the ticks: one in which a plugin failed, and how the run ended.
-fn recompute_end(engine: &mut Engine, session: &Session) -> Option<Difference> {
+pub(crate) fn recompute_end(engine: &mut Engine, session: &Session) -> Option<Difference> {
     if let Some((tick, recorded)) = &session.failed_tick {
         let refailed = refail(engine, session, *tick, recorded);
         if refailed.is_some() {
@@ -186,16 +224,17 @@ fn recompute_end(engine: &mut Engine, session: &Session) -> Option<Difference> {
     let tick = engine.tick_index();
     // After a failure no states are saved, and the hash is that of the last tick.
     if (end.ended == Ended::Failure) == session.failures.is_empty() {
-        return differs(tick, "the end and the recorded failures contradict".into());
+        let what = "the end and the recorded failures contradict";
+        return Some(difference(tick, what.into()));
     }
     if end.ended != Ended::Failure
         && let Err(failure) = engine.state_digests(&end.states)
     {
-        return failed(&failure);
+        return Some(Difference::from(&failure));
     }
     match engine.chain().as_slice() == end.chain {
         true => None,
-        false => differs(tick, "the state hash at the end differs".into()),
+        false => Some(difference(tick, "the state hash at the end differs".into())),
     }
 }
 
@@ -222,7 +261,7 @@ fn refail(
         Err(again) => format!("recorded was: {failure}; computed: {again}"),
         Ok(_) => format!("recorded was: {failure}; computed without a failure"),
     };
-    Some(Difference { tick, what })
+    Some(difference(tick, what))
 }
 
 /// Which message is the first that differs.

@@ -32,6 +32,8 @@ const FIRST_BYTES: u64 = 1 << 14;
 pub struct Renderer {
     gpu: Gpu,
     quality: Quality,
+    /// Whether pictures of a quality that has depth of field have it.
+    depth_of_field: bool,
     layouts: Layouts,
     /// By quality; made when it is first drawn.
     pipelines: [Option<Pipelines>; 3],
@@ -81,6 +83,11 @@ impl Renderer {
     /// Changes it from the next picture on. The shaders of a quality are compiled for its first picture.
     pub fn set_quality(&mut self, quality: Quality) {
         self.quality = quality;
+    }
+
+    /// Whether what is out of focus is blurred, from the next picture on, in qualities that do so: the highest.
+    pub fn set_depth_of_field(&mut self, is_on: bool) {
+        self.depth_of_field = is_on;
     }
 
     /// Draws one picture and waits for it: [`render`](Self::render), then [`read_back`](Self::read_back).
@@ -225,6 +232,7 @@ impl Renderer {
             width: picture.width,
             height: picture.height,
             quality: self.quality,
+            has_focus: self.quality.has_focus() && self.depth_of_field,
             layout: picture.stereo.layout,
         };
         let targets = match self.targets.take() {
@@ -367,6 +375,7 @@ impl Renderer {
         Self {
             gpu: gpu.clone(),
             quality,
+            depth_of_field: true,
             pipelines,
             layouts,
             scenes,

@@ -16,6 +16,8 @@ pub(crate) struct Form {
     pub width: u32,
     pub height: u32,
     pub quality: Quality,
+    /// Whether what is out of focus is blurred.
+    pub has_focus: bool,
     pub layout: StereoLayout,
 }
 
@@ -87,7 +89,7 @@ impl Targets {
         };
         let eyes: Vec<Eye> = outputs
             .iter()
-            .map(|output| Eye::new(device, size, form.quality, output, maps))
+            .map(|output| Eye::new(device, size, (form.quality, form.has_focus), output, maps))
             .collect();
         let compose_group = match (outputs.as_slice(), eyes.as_slice()) {
             ([left, right], [eye, _]) => {
@@ -152,7 +154,7 @@ impl Eye {
     fn new(
         device: &wgpu::Device,
         size: (u32, u32),
-        quality: Quality,
+        (quality, has_focus): (Quality, bool),
         output: &wgpu::TextureView,
         maps: &Maps<'_>,
     ) -> Self {
@@ -172,7 +174,7 @@ impl Eye {
             made(half, 1, OPENNESS, bound),
         );
         // Surfaces go to the samples, those to the sharp picture, that through depth of field to the output; what is not needed is left out.
-        let sharp = match quality.has_focus() {
+        let sharp = match has_focus {
             true => drawn(device, size, 1),
             false => output.clone(),
         };
@@ -191,7 +193,7 @@ impl Eye {
         };
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let view = wgpu::BindingResource::TextureView;
-        let focused = quality.has_focus().then(|| output.clone());
+        let focused = has_focus.then(|| output.clone());
         // A pass must not read what it writes: without depth of field its group is never used, and binds what is at hand.
         let picture = if focused.is_some() { &sharp } else { &open };
         let side = size.0.min(size.1);

@@ -7,8 +7,8 @@ mod common;
 use common::renderer;
 use microsim_gpu::Gpu;
 use microsim_render::{
-    Finish, Image, Item, KEY_LIGHT_AZIMUTH, KEY_LIGHT_ZENITH, Picture, RenderError, Renderer,
-    SHADOW_LEVEL, Shape, View,
+    Finish, Image, Item, KEY_LIGHT_AZIMUTH, KEY_LIGHT_ZENITH, Picture, Quality, RenderError,
+    Renderer, SHADOW_LEVEL, Shape, View,
 };
 use std::f64::consts::PI;
 
@@ -267,6 +267,29 @@ fn mesh_is_seen_from_both_sides() {
         up == down,
         "the sheet looks different when its triangles are turned round"
     );
+}
+
+/// Eight millimetres above the plane of focus the edge of a ball is spread over two pixels to each side at the highest quality; without depth of field it is as
+/// sharp as the samples of a pixel make it. It comes back.
+#[test]
+fn depth_of_field_is_left_out() {
+    let Some(mut renderer) = renderer() else {
+        return;
+    };
+    renderer.set_quality(Quality::High);
+    let above = picture(vec![ball(2.0e-3, [0.0, 0.0, 8.0e-3], [0.7, 0.2, 0.0])]);
+    // Half of what is behind shines through the edge; the ball has no blue.
+    let is_edge = |[_, _, blue]: [u8; 3]| (60..200).contains(&blue);
+    let mut edge = |is_on| {
+        renderer.set_depth_of_field(is_on);
+        centroid(&renderer.draw(&above).unwrap(), is_edge).1
+    };
+    let (blurred, sharp, again) = (edge(true), edge(false), edge(true));
+    assert!(
+        sharp > 50 && blurred > 2 * sharp,
+        "{blurred} and {sharp} pixels"
+    );
+    assert_eq!(again, blurred);
 }
 
 /// A moist ball has its highlight where the normal halves the angle between lamp and eye; a matte one has none.

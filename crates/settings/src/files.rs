@@ -4,7 +4,7 @@ use crate::schema::Schema;
 use crate::table::Table;
 
 /// The kinds of file, by the names that the command line uses, each with a sentence about it.
-pub const KINDS: [(&str, &str); 15] = [
+pub const KINDS: [(&str, &str); 16] = [
     (
         "manifest",
         "plugin.toml and module.toml: what a plugin or training module is, needs and declares.",
@@ -44,6 +44,10 @@ pub const KINDS: [(&str, &str); 15] = [
     (
         "desktop",
         "config/desktop.toml: how mouse and keyboard move the tools.",
+    ),
+    (
+        "window",
+        "config/window.toml: how the window looks; its settings screen writes one for the station.",
     ),
     (
         "recording",

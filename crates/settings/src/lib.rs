@@ -54,6 +54,7 @@ mod translator;
 mod tree;
 mod vessel;
 mod vessel_body;
+mod window;
 
 pub use body::{
     Body, Clamp, Coupling, Generator, Layer, Load, MAX_ELEMENTS, MotionKey, Nodes, Refine, Shell,
@@ -95,8 +96,9 @@ pub use manifest_check::{load_manifest, read_manifest};
 pub use material::{Fibres, Law, Material, Plasticity, SpringForm};
 pub use method::{Accuracy, Method, Tuned};
 pub use microsim_vocabulary::{
-    Category, CellSplit, Direction, Discretisation, Filling, Finish, Interpolation, Language,
-    LawName, LocalText, MethodName, Overflow, PluginKind, QuantityError, Unit,
+    Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation,
+    Language, LawName, LocalText, MethodName, Overflow, PictureQuality, PluginKind, QuantityError,
+    Unit,
 };
 pub use openigtlink::{
     LinkClock, LinkDevice, LinkOpening, LinkRole, OpenIgtLink, TrackedStream, load_openigtlink,
@@ -128,6 +130,7 @@ pub use translator::{
 pub use vessel::{
     Basis, Vessel, VesselConstants, VesselLayer, VesselValue, load_vessel, read_vessel,
 };
+pub use window::{BASE_MAX, WORKING_DISTANCES, WindowSettings, load_window, read_window};
 
 /// The schema of a kind of file by its name in [`KINDS`]. That of a level leaves the keys of the module open; see
 /// [`level_schema`] for those of one module.
@@ -143,6 +146,7 @@ pub fn schema_for(kind: &str) -> Option<Schema> {
         "calibration" => schema_of::<Calibration>(kind),
         "openigtlink" => schema_of::<OpenIgtLink>(kind),
         "desktop" => schema_of::<Desktop>(kind),
+        "window" => schema_of::<WindowSettings>(kind),
         "recording" => schema_of::<RecordingMap>(kind),
         "script" => schema_of::<Script>(kind),
         "trainees" => schema_of::<Trainees>(kind),

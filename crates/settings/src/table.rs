@@ -3,8 +3,8 @@
 use crate::colour::Colour;
 use crate::schema::{Key, Kind, Presence};
 use microsim_vocabulary::{
-    Category, CellSplit, Direction, Discretisation, Filling, Finish, Interpolation, Language,
-    LocalText, MethodName, Overflow, PluginKind, Unit,
+    Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation,
+    Language, LocalText, MethodName, Overflow, PictureQuality, PluginKind, Unit,
 };
 use serde_json::Value;
 
@@ -197,6 +197,6 @@ settings! {
 }
 
 choices! {
-    Category, CellSplit, Direction, Discretisation, Filling, Finish, Interpolation, Language, MethodName,
-    Overflow, PluginKind,
+    Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation, Language, MethodName,
+    Overflow, PictureQuality, PluginKind,
 }

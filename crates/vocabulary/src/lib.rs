@@ -15,7 +15,9 @@ mod text;
 mod unit;
 
 pub use mechanics::{CellSplit, Discretisation, Filling, LawName, MethodName};
-pub use platform::{Finish, Interpolation, MotionLimit, Overflow, PluginKind, ToolStatus};
+pub use platform::{
+    EyeLayout, Finish, Interpolation, MotionLimit, Overflow, PictureQuality, PluginKind, ToolStatus,
+};
 pub use results::{Category, Direction};
 pub use term::{Term, UnknownTerm};
 pub use text::{Language, LocalText};

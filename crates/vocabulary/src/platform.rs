@@ -109,3 +109,35 @@ terms! {
         Metal = "metal",
     }
 }
+
+terms! {
+    /// How much is done for a picture.
+    #[derive(Default)]
+    pub enum PictureQuality {
+        /// The most that the machine draws 25 times in a second.
+        Automatic = "automatic" default,
+        /// For drivers without a graphics card.
+        Low = "low",
+        /// Smooth edges, soft shadows, relief.
+        Medium = "medium",
+        /// More of each, a finer surface and depth of field.
+        High = "high",
+    }
+}
+
+terms! {
+    /// How the pictures of both eyes lie in the window.
+    #[derive(Default)]
+    pub enum EyeLayout {
+        /// One picture, from between the eyes.
+        Mono = "mono" default,
+        /// The left eye's in the left half.
+        SideBySide = "side-by-side",
+        /// The left eye's in the upper half.
+        TopBottom = "top-bottom",
+        /// The left eye's in every second row from the first: screens with polarised rows.
+        RowInterleaved = "row-interleaved",
+        /// The left eye's in red, the right eye's in green and blue.
+        RedCyan = "red-cyan",
+    }
+}

@@ -29,6 +29,8 @@ pub enum Asked {
     Message(String, bool),
     /// What came of a session.
     Debrief(Box<Debrief>),
+    /// The session as it was recorded.
+    Replay(Box<Debrief>),
 }
 
 /// The results that are listed.
@@ -101,11 +103,13 @@ impl Attempts {
             }
             let last = self.marked.last();
             let show = Button::new(text::SHOW_DEBRIEF.of(language));
-            if ui.add_enabled(last.is_some(), show).clicked()
-                && let Some(id) = last
-            {
-                asked = Some(match ledger.debrief(id) {
-                    Ok(debrief) => Asked::Debrief(Box::new(debrief)),
+            let shows = ui.add_enabled(last.is_some(), show).clicked();
+            let replay = Button::new(text::REPLAY.of(language));
+            let replays = ui.add_enabled(last.is_some(), replay).clicked();
+            if let Some(id) = last.filter(|_| shows || replays) {
+                asked = Some(match ledger.debrief(id).map(Box::new) {
+                    Ok(debrief) if replays => Asked::Replay(debrief),
+                    Ok(debrief) => Asked::Debrief(debrief),
                     Err(why) => Asked::Message(why, true),
                 });
             }

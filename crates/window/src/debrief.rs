@@ -2,9 +2,10 @@
 
 use crate::ledger::Debrief;
 use crate::look;
-use crate::plot::{self, Curve};
+use crate::plot;
 use crate::text::{self, Phrase, local, number};
-use eframe::egui::{self, Color32, ProgressBar, RichText, ScrollArea, Ui};
+use crate::timeline;
+use eframe::egui::{self, Color32, Key, ProgressBar, RichText, ScrollArea, Ui};
 use microsim_report::{MetricEntry, Report, Verdict};
 use microsim_vocabulary::Language;
 
@@ -15,6 +16,8 @@ pub enum Next {
     Again,
     /// The one after it.
     Onward,
+    /// The session as it was recorded, from a tick on.
+    Replay(u64),
     /// The modules.
     Back,
 }
@@ -45,6 +48,11 @@ pub fn show(ui: &mut Ui, debrief: &Debrief, has_next: bool, language: Language) 
         .show_separator_line(false)
         .show(ui, |ui| {
             ui.add_space(6.0);
+            // Where nothing is being chosen by keyboard.
+            let is_free = ui.memory(|memory| memory.focused().is_none());
+            if is_free && ui.input(|input| input.key_pressed(Key::R)) {
+                next = Some(Next::Replay(0));
+            }
             ui.horizontal(|ui| {
                 // What most people want next is the next level, once this one is passed.
                 let has_passed = report.verdict == Verdict::Passed;
@@ -57,6 +65,9 @@ pub fn show(ui: &mut Ui, debrief: &Debrief, has_next: bool, language: Language) 
                 }
                 if ui.add(button(text::AGAIN, !has_passed)).clicked() {
                     next = Some(Next::Again);
+                }
+                if ui.button(text::REPLAY_KEY.of(language)).clicked() {
+                    next = Some(Next::Replay(0));
                 }
                 if ui.button(text::BACK.of(language)).clicked() {
                     next = Some(Next::Back);
@@ -88,7 +99,9 @@ pub fn show(ui: &mut Ui, debrief: &Debrief, has_next: bool, language: Language) 
             .id_salt("course")
             .auto_shrink(false)
             .show(ui, |ui| {
-                show_course(ui, report, language);
+                if let Some(tick) = show_course(ui, report, language) {
+                    next = Some(Next::Replay(tick));
+                }
             });
     });
     next
@@ -206,70 +219,28 @@ pub fn decimals(value: f64) -> usize {
     }
 }
 
-fn show_course(ui: &mut Ui, report: &Report, language: Language) {
+/// How it went; the tick of what was clicked.
+fn show_course(ui: &mut Ui, report: &Report, language: Language) -> Option<u64> {
     ui.label(look::heading(text::COURSE.of(language)));
-    let name = |tool: &str| match report.session.tools.get(tool) {
-        Some(title) => local(title, language).to_owned(),
-        None => tool.to_owned(),
+    let marks = timeline::marks(report);
+    let times: Vec<f64> = marks.iter().map(|mark| mark.time).collect();
+    let frame = plot::Frame {
+        end: report.simulated,
+        events: &times,
+        now: None,
+        height: plot::HEIGHT,
     };
-    let speeds: Vec<Curve> = report
-        .series
-        .iter()
-        .map(|series| {
-            let speed = series.speed.iter().map(|speed| speed.map(|v| 1e3 * v));
-            Curve {
-                name: name(&series.tool),
-                points: series.time.iter().copied().zip(speed).collect(),
-            }
-        })
-        .collect();
-    let forces: Vec<Curve> = report
-        .forces
-        .iter()
-        .map(|series| {
-            let mut points = Vec::new();
-            for k in 0..series.time.len() {
-                if k > 0 && series.contact[k] != series.contact[k - 1] {
-                    points.push((series.time[k], None));
-                }
-                let force = series.valid[k].then_some(1e3 * series.sustained[k]);
-                points.push((series.time[k], force));
-            }
-            Curve {
-                name: format!("{}, {}", name(&series.tool), series.body),
-                points,
-            }
-        })
-        .collect();
-    let events: Vec<f64> = report
-        .events
-        .iter()
-        .map(|event| event.session_time)
-        .collect();
-    plot::show(
-        ui,
-        text::TIP_SPEED.of(language),
-        &speeds,
-        &events,
-        report.simulated,
-        language,
-    );
+    let mut time = None;
+    let speeds = timeline::speeds(report, language);
+    let title = text::TIP_SPEED.of(language);
+    time = plot::show(ui, title, &speeds, &frame, language).or(time);
+    let forces = timeline::forces(report, language);
     if !forces.is_empty() {
-        plot::show(
-            ui,
-            text::FORCE.of(language),
-            &forces,
-            &events,
-            report.simulated,
-            language,
-        );
+        let title = text::FORCE.of(language);
+        time = plot::show(ui, title, &forces, &frame, language).or(time);
     }
     ui.add_space(6.0);
-    for moment in &report.events {
-        let time = number(moment.session_time, 1, language);
-        ui.label(look::quiet(format!(
-            "{time} s  {}",
-            local(&moment.text, language)
-        )));
-    }
+    ui.label(look::quiet(text::CLICK_TO_REPLAY.of(language)));
+    let clicked = timeline::list(ui, &marks, None, language);
+    clicked.or(time.map(|time| timeline::tick_at(report, time)))
 }

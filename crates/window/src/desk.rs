@@ -1,16 +1,19 @@
 //! Which screen is shown, and what leads from one to the next.
 
+use crate::appearance::{self, Appearance};
 use crate::debrief::{self, Next};
 use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
 use crate::look;
 use crate::records::{self, Records};
+use crate::replay::{self, Replay};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
 use crate::text;
 use crate::training::{Outcome, Training};
 use crate::upkeep::{self, Upkeep};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Key, RichText, Ui};
+use microsim_settings::WindowSettings;
 use microsim_vocabulary::Language;
 use std::fmt;
 
@@ -19,10 +22,14 @@ use std::fmt;
 pub struct Opening {
     /// Language of all texts; the operator can change it.
     pub language: Language,
+    /// How it looks.
+    pub settings: WindowSettings,
     /// A level that is chosen, or begun at once.
     pub choice: Option<Choice>,
     /// Whether it begins at once.
     pub begins: bool,
+    /// A recorded session that is shown in its place.
+    pub replay: Option<Box<Debrief>>,
     /// Width and height of the window \[points\].
     pub size: [f32; 2],
 }
@@ -59,6 +66,7 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
             .with_title("MicroSim")
             .with_app_id("microsim")
             .with_inner_size(opening.size)
+            .with_fullscreen(opening.settings.full_screen)
             .with_min_inner_size([1000.0, 640.0]),
         renderer: eframe::Renderer::Wgpu,
         ..Default::default()
@@ -76,8 +84,11 @@ enum Screen {
     Training(Box<Training>),
     /// What came of a run, which may be one of long ago.
     Debrief(Box<Debrief>, Choice),
+    /// A run as it was recorded.
+    Replay(Box<Replay>, Choice),
     Records(Box<Records>),
     Upkeep,
+    Settings(Appearance),
     /// Why a level did not begin, or has nothing to show.
     Complaint(String),
 }
@@ -85,6 +96,7 @@ enum Screen {
 struct Desk {
     station: Box<dyn Station>,
     language: Language,
+    settings: WindowSettings,
     catalogue: Catalogue,
     trainees: Result<Vec<TraineeEntry>, String>,
     launcher: Launcher,
@@ -101,12 +113,14 @@ impl Desk {
         opening: Opening,
     ) -> Result<Self, String> {
         let state = context.wgpu_render_state.as_ref();
-        let field = Field::new(state.ok_or("the window has no graphics device")?)?;
+        let mut field = Field::new(state.ok_or("the window has no graphics device")?)?;
+        field.set(&opening.settings);
         look::apply(&context.egui_ctx);
         let catalogue = station.catalogue();
         let mut desk = Self {
             trainees: station.trainees(),
             language: opening.language,
+            settings: opening.settings,
             launcher: Launcher::default(),
             upkeep: Upkeep::default(),
             screen: Screen::Launcher,
@@ -126,6 +140,10 @@ impl Desk {
             if opening.begins {
                 desk.begin(choice, &context.egui_ctx);
             }
+        }
+        if let Some(debrief) = opening.replay {
+            let choice = desk.choice_of(&debrief);
+            desk.replay(debrief, choice, 0, &context.egui_ctx);
         }
         Ok(desk)
     }
@@ -158,6 +176,58 @@ impl Desk {
         };
     }
 
+    /// The level of a session, for whoever trains now.
+    fn choice_of(&self, debrief: &Debrief) -> Choice {
+        let session = &debrief.report.session;
+        Choice {
+            module: session.module.clone(),
+            level: session.level,
+            trainee: self.launcher.trainee.clone(),
+        }
+    }
+
+    /// Shows a session from a tick on, or its debrief with what is wrong with it.
+    fn replay(
+        &mut self,
+        debrief: Box<Debrief>,
+        choice: Choice,
+        tick: u64,
+        context: &egui::Context,
+    ) {
+        let begun = match self.station.replay(&debrief.session) {
+            Ok(recording) => Replay::begin(debrief, recording, tick, context),
+            Err(why) => Err((debrief, why)),
+        };
+        self.screen = match begun {
+            Ok(replay) => Screen::Replay(Box::new(replay), choice),
+            Err((mut debrief, why)) => {
+                let why = format!("{}: {why}", text::NO_REPLAY.of(self.language));
+                if !debrief.complaints.contains(&why) {
+                    debrief.complaints.push(why);
+                }
+                Screen::Debrief(debrief, choice)
+            }
+        };
+    }
+
+    fn show_replay(&mut self, ui: &mut Ui) {
+        let Screen::Replay(replay, _) = &mut self.screen else {
+            return;
+        };
+        let panels = self.settings.panels;
+        match replay.show(ui, &mut self.field, panels, self.language) {
+            None => {}
+            Some(replay::Outcome::Language) => self.change_language(),
+            Some(replay::Outcome::Back) => {
+                let shown = std::mem::replace(&mut self.screen, Screen::Launcher);
+                if let Screen::Replay(replay, choice) = shown {
+                    self.screen = Screen::Debrief(replay.debrief, choice);
+                }
+                ui.ctx().request_repaint();
+            }
+        }
+    }
+
     fn show_launcher(&mut self, ui: &mut Ui) {
         let station = &self.station;
         let offer = Offer {
@@ -167,8 +237,9 @@ impl Desk {
         };
         match self.launcher.show(ui, &offer, self.language) {
             None => {}
-            Some(Wanted::Language) => self.language = other(self.language),
+            Some(Wanted::Language) => self.change_language(),
             Some(Wanted::Records) => self.open_records(),
+            Some(Wanted::Settings) => self.screen = Screen::Settings(Appearance::default()),
             Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
             Some(Wanted::Begin(choice)) => {
                 let context = ui.ctx().clone();
@@ -183,6 +254,64 @@ impl Desk {
         self.screen = Screen::Records(Box::new(records));
     }
 
+    fn show_settings(&mut self, ui: &mut Ui) {
+        let Screen::Settings(appearance) = &mut self.screen else {
+            return;
+        };
+        let mut settings = self.settings;
+        match appearance.show(ui, &mut settings, self.language) {
+            None => {}
+            Some(appearance::Wanted::Changed) => self.set(settings, ui),
+            Some(appearance::Wanted::Store) => {
+                let stored = self.station.store_settings(&settings);
+                appearance.message = Some(match stored {
+                    Ok(file) => {
+                        let stored_in = text::STORED_IN.of(self.language);
+                        (format!("{stored_in} {}", file.display()), false)
+                    }
+                    Err(why) => (why, true),
+                });
+            }
+            Some(appearance::Wanted::Back) => self.screen = Screen::Launcher,
+        }
+    }
+
+    /// From now on it looks like this.
+    fn set(&mut self, settings: WindowSettings, ui: &Ui) {
+        if settings.full_screen != self.settings.full_screen {
+            ui.send_viewport_cmd(egui::ViewportCommand::Fullscreen(settings.full_screen));
+        }
+        if settings.language != self.settings.language {
+            self.language = settings.language.unwrap_or(self.language);
+        }
+        let of_panels = WindowSettings {
+            panels: settings.panels,
+            full_screen: settings.full_screen,
+            ..self.settings
+        };
+        // What is measured of the machine is measured once.
+        if of_panels != settings {
+            self.field.set(&settings);
+        }
+        self.settings = settings;
+    }
+
+    /// The other language, which is stored with the settings if they are.
+    fn change_language(&mut self) {
+        self.language = other(self.language);
+        self.settings.language = Some(self.language);
+    }
+
+    /// Keys that work on every screen.
+    fn set_by_keys(&mut self, ui: &Ui) {
+        let mut settings = self.settings;
+        settings.full_screen ^= ui.input(|input| input.key_pressed(Key::F11));
+        settings.panels ^= ui.input(|input| input.key_pressed(Key::F3));
+        if settings != self.settings {
+            self.set(settings, ui);
+        }
+    }
+
     fn open_upkeep(&mut self) {
         self.upkeep.read(&*self.station);
         self.screen = Screen::Upkeep;
@@ -191,7 +320,7 @@ impl Desk {
     fn show_upkeep(&mut self, ui: &mut Ui) {
         match self.upkeep.show(ui, &*self.station, self.language) {
             None => {}
-            Some(upkeep::Wanted::Language) => self.language = other(self.language),
+            Some(upkeep::Wanted::Language) => self.change_language(),
             Some(upkeep::Wanted::Back) => self.open_records(),
         }
     }
@@ -209,6 +338,11 @@ impl Desk {
         match debrief::show(ui, debrief, has_next, self.language) {
             None => {}
             Some(Next::Back) => self.screen = Screen::Launcher,
+            Some(Next::Replay(tick)) => {
+                let (debrief, context) = (debrief.clone(), ui.ctx().clone());
+                self.replay(debrief, again, tick, &context);
+                ui.ctx().request_repaint();
+            }
             Some(wanted) => {
                 let choice = if wanted == Next::Again { again } else { next };
                 self.launcher.level = choice.level;
@@ -224,7 +358,7 @@ impl Desk {
         };
         match records.show(ui, &*self.station, self.language) {
             None => {}
-            Some(records::Wanted::Language) => self.language = other(self.language),
+            Some(records::Wanted::Language) => self.change_language(),
             Some(records::Wanted::Upkeep) => self.open_upkeep(),
             Some(records::Wanted::Back) => {
                 // Who is there may have changed.
@@ -235,13 +369,12 @@ impl Desk {
                 self.screen = Screen::Launcher;
             }
             Some(records::Wanted::Debrief(debrief)) => {
-                let session = &debrief.report.session;
-                let choice = Choice {
-                    module: session.module.clone(),
-                    level: session.level,
-                    trainee: self.launcher.trainee.clone(),
-                };
+                let choice = self.choice_of(&debrief);
                 self.screen = Screen::Debrief(debrief, choice);
+            }
+            Some(records::Wanted::Replay(debrief)) => {
+                let (choice, context) = (self.choice_of(&debrief), ui.ctx().clone());
+                self.replay(debrief, choice, 0, &context);
             }
         }
     }
@@ -283,26 +416,32 @@ impl eframe::App for Desk {
         if takes_files && !ui.input(|input| input.raw.dropped_files.is_empty()) {
             self.open_upkeep();
         }
+        self.set_by_keys(ui);
+        let panels = self.settings.panels;
         match &mut self.screen {
+            Screen::Settings(_) => self.show_settings(ui),
             Screen::Launcher => self.show_launcher(ui),
             Screen::Debrief(..) => self.show_debrief(ui),
+            Screen::Replay(..) => self.show_replay(ui),
             Screen::Records(_) => self.show_records(ui),
             Screen::Upkeep => self.show_upkeep(ui),
             Screen::Complaint(_) => self.show_complaint(ui),
-            Screen::Training(training) => match training.show(ui, &mut self.field, self.language) {
-                None => {}
-                Some(Outcome::Back) => self.screen = Screen::Launcher,
-                Some(Outcome::Restart) => {
-                    let (choice, context) = (training.choice.clone(), ui.ctx().clone());
-                    self.begin(choice, &context);
+            Screen::Training(training) => {
+                match training.show(ui, &mut self.field, panels, self.language) {
+                    None => {}
+                    Some(Outcome::Back) => self.screen = Screen::Launcher,
+                    Some(Outcome::Restart) => {
+                        let (choice, context) = (training.choice.clone(), ui.ctx().clone());
+                        self.begin(choice, &context);
+                    }
+                    Some(Outcome::Ended(Ok(debrief))) => {
+                        let choice = training.choice.clone();
+                        self.screen = Screen::Debrief(debrief, choice);
+                        ui.ctx().request_repaint();
+                    }
+                    Some(Outcome::Ended(Err(why))) => self.screen = Screen::Complaint(why),
                 }
-                Some(Outcome::Ended(Ok(debrief))) => {
-                    let choice = training.choice.clone();
-                    self.screen = Screen::Debrief(debrief, choice);
-                    ui.ctx().request_repaint();
-                }
-                Some(Outcome::Ended(Err(why))) => self.screen = Screen::Complaint(why),
-            },
+            }
         }
     }
 

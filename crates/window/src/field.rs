@@ -2,13 +2,14 @@
 
 use crate::live::Snapshot;
 use crate::pace::Times;
-use eframe::egui::TextureId;
+use eframe::egui::{Rect, TextureId};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use microsim_gpu::Gpu;
 use microsim_message::{ObjectScene, ToolPlacements, ToolStates};
-use microsim_render::{Models, Picture, Quality, Renderer, snapshot};
-use microsim_settings::RendererConfig;
+use microsim_render::{Models, Picture, Quality, Renderer, Stereo, StereoLayout, snapshot};
+use microsim_settings::{RendererConfig, WindowSettings};
+use microsim_vocabulary::{EyeLayout, PictureQuality};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -21,8 +22,11 @@ pub struct Field {
     renderer: Renderer,
     /// Where the picture is for egui, with its texture, which is another one after a change of size or quality.
     shown: Option<(TextureId, wgpu::Texture)>,
-    /// Whether this machine's quality was measured.
+    /// Whether this machine's quality was measured, or another one was chosen.
     has_measured: bool,
+    stereo: Stereo,
+    /// From the main lens to the plane of focus \[m\].
+    working_distance: f64,
 }
 
 /// Pictures per second for which a quality is chosen.
@@ -42,7 +46,40 @@ impl Field {
             renderer,
             shown: None,
             has_measured: false,
+            stereo: Stereo::default(),
+            working_distance: WindowSettings::default().working_distance,
         })
+    }
+
+    /// Draws as the operator wants it from the next picture on.
+    pub fn set(&mut self, settings: &WindowSettings) {
+        let quality = match settings.quality {
+            PictureQuality::Automatic => None,
+            PictureQuality::Low => Some(Quality::Low),
+            PictureQuality::Medium => Some(Quality::Medium),
+            PictureQuality::High => Some(Quality::High),
+        };
+        if let Some(quality) = quality {
+            self.renderer.set_quality(quality);
+        }
+        self.has_measured = quality.is_some();
+        self.renderer.set_depth_of_field(settings.depth_of_field);
+        self.working_distance = settings.working_distance;
+        self.stereo = Stereo {
+            layout: match settings.stereo {
+                EyeLayout::Mono => StereoLayout::Mono,
+                EyeLayout::SideBySide => StereoLayout::SideBySide,
+                EyeLayout::TopBottom => StereoLayout::TopBottom,
+                EyeLayout::RowInterleaved => StereoLayout::RowInterleaved,
+                EyeLayout::RedCyan => StereoLayout::RedCyan,
+            },
+            base: settings.stereo_base,
+        };
+    }
+
+    /// The part of a place in which the left eye's picture is shown, or the one picture.
+    pub fn eye(&self, place: Rect) -> Rect {
+        eye(self.stereo.layout, place)
     }
 
     /// How much is done for a picture: with the first one the highest is chosen that this machine draws 25 times in a second, which takes a second.
@@ -78,11 +115,14 @@ impl Field {
         size: [u32; 2],
     ) -> Result<TextureId, String> {
         let [width, height] = size.map(|side| side.max(LEAST_SIDE));
-        let picture = Picture {
+        let mut picture = Picture {
             width,
             height,
+            stereo: self.stereo,
             ..picture_of(config, models, snapshot)
         };
+        let nearest = picture.view.field_diameter;
+        picture.view.working_distance = self.working_distance.max(nearest);
         if !self.has_measured {
             let start = Instant::now();
             let mut seconds = || start.elapsed().as_secs_f64();
@@ -131,4 +171,31 @@ fn picture_of(config: &RendererConfig, models: &mut Models, seen: &Snapshot) -> 
         snapshot::picture(config, &objects, &tools, placements.as_ref(), seen.bodies());
     picture.items.extend(models.items(&objects));
     picture
+}
+
+/// The part of a place in which the left eye's picture is shown, or the one picture.
+fn eye(layout: StereoLayout, place: Rect) -> Rect {
+    match layout {
+        StereoLayout::SideBySide => place.split_left_right_at_fraction(0.5).0,
+        StereoLayout::TopBottom => place.split_top_bottom_at_fraction(0.5).0,
+        StereoLayout::Mono | StereoLayout::RowInterleaved | StereoLayout::RedCyan => place,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{pos2, vec2};
+
+    /// A hand moves the tip as far as the pointer goes in the picture of one eye.
+    #[test]
+    fn each_eye_has_its_part_of_the_picture() {
+        let place = Rect::from_min_size(pos2(10.0, 20.0), vec2(800.0, 600.0));
+        let half = |layout| eye(layout, place).size();
+        assert_eq!(half(StereoLayout::Mono), vec2(800.0, 600.0));
+        assert_eq!(half(StereoLayout::RowInterleaved), vec2(800.0, 600.0));
+        assert_eq!(half(StereoLayout::SideBySide), vec2(400.0, 600.0));
+        assert_eq!(half(StereoLayout::TopBottom), vec2(800.0, 300.0));
+        assert_eq!(eye(StereoLayout::TopBottom, place).min, place.min);
+    }
 }

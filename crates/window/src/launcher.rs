@@ -25,6 +25,8 @@ pub enum Wanted {
     Begin(Choice),
     /// Trainees and results.
     Records,
+    /// How the window looks.
+    Settings,
     /// The other language.
     Language,
     /// The end.
@@ -67,6 +69,9 @@ impl Launcher {
                         }
                         if ui.button(text::LANGUAGE.of(language)).clicked() {
                             wanted = Some(Wanted::Language);
+                        }
+                        if ui.button(text::SETTINGS.of(language)).clicked() {
+                            wanted = Some(Wanted::Settings);
                         }
                         if ui.button(text::RECORDS.of(language)).clicked() {
                             wanted = Some(Wanted::Records);

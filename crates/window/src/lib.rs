@@ -10,8 +10,12 @@
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture.
-//! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `records`.
+//! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
+//! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
+//!   with the states `nearby` in memory.
+//! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
+//! - `appearance`: the settings screen.
 //! - `upkeep`: courses and the store as a whole, with `work` that goes on beside the window's thread.
 //! - `look`: colours and sizes; `text`: all texts.
 //!
@@ -19,7 +23,10 @@
 
 #![forbid(unsafe_code)]
 
+mod appearance;
 mod attempts;
+mod canvas;
+mod console;
 mod courses;
 mod debrief;
 mod desk;
@@ -30,17 +37,21 @@ mod learning;
 mod ledger;
 mod live;
 mod look;
+mod nearby;
 mod pace;
 mod panels;
 mod person;
+mod player;
 mod plot;
 mod records;
+mod replay;
 mod rows;
 mod scope;
 mod station;
 #[cfg(test)]
 mod tests;
 mod text;
+mod timeline;
 mod training;
 mod upkeep;
 mod work;
@@ -51,6 +62,8 @@ pub use ledger::{
     Debrief, Done, Job, Learning, Ledger, Participant, Percentile, Person, Role, Selection,
     StandingRow, StepState, Work,
 };
+pub use live::SHOWN;
 pub use station::{
-    Catalogue, Choice, LevelEntry, LiveSession, ModuleEntry, Station, ToolEntry, TraineeEntry,
+    Catalogue, Choice, Computation, LevelEntry, LiveSession, ModuleEntry, Recording, Station,
+    ToolEntry, TraineeEntry,
 };

@@ -5,12 +5,12 @@ use crate::ledger::Debrief;
 use crate::pace::Pace;
 use crate::station::LiveSession;
 use microsim_bus::{Block, BlockView, Frames, kind_id};
+use microsim_host::playback::{Messages, Moment};
 use microsim_host::run::{Operator, Seen};
 use microsim_message::{
     DesktopInput, InputSample, InputTiming, LevelEvent, LevelState, Message, MicroscopeView,
     ObjectScene, SolverTick, ToolPlacements, ToolStates, decode, push,
 };
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -26,11 +26,30 @@ pub struct Snapshot {
     /// When it was finished.
     pub finished: Instant,
     /// The latest message of each kind that is shown, stamped.
-    messages: BTreeMap<u64, Arc<[u8]>>,
+    messages: Messages,
     blocks: Vec<Block>,
 }
 
+/// Kinds of messages of which a screen shows the latest.
+pub const SHOWN: [&str; 4] = [
+    ObjectScene::KIND,
+    ToolStates::KIND,
+    ToolPlacements::KIND,
+    LevelState::KIND,
+];
+
 impl Snapshot {
+    /// A tick of a recording, at this simulated time \[s\].
+    pub fn of(moment: &Moment, time: f64) -> Self {
+        Self {
+            tick: moment.tick,
+            time,
+            finished: Instant::now(),
+            messages: moment.messages.clone(),
+            blocks: moment.blocks.clone(),
+        }
+    }
+
     /// The latest message of a kind.
     pub fn latest<M: Message>(&self) -> Option<M> {
         let bytes = self.messages.get(&kind_id(M::KIND))?;
@@ -97,7 +116,7 @@ impl Live {
         let run = move || {
             let mut operator = Seat {
                 exchange: &seat,
-                messages: BTreeMap::new(),
+                messages: Messages::new(),
                 wake: &wake,
             };
             let outcome = session.run(&seat.stop, &mut operator);
@@ -192,19 +211,13 @@ impl Drop for Live {
 /// The operator's side in the thread of the run.
 struct Seat<'a> {
     exchange: &'a Exchange,
-    messages: BTreeMap<u64, Arc<[u8]>>,
+    messages: Messages,
     wake: &'a dyn Fn(),
 }
 
 impl Seat<'_> {
     fn is_shown(kind: u64) -> bool {
-        let shown = [
-            ObjectScene::KIND,
-            ToolStates::KIND,
-            ToolPlacements::KIND,
-            LevelState::KIND,
-        ];
-        shown.iter().any(|shown| kind_id(shown) == kind)
+        SHOWN.iter().any(|shown| kind_id(shown) == kind)
     }
 }
 

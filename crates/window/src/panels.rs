@@ -142,6 +142,20 @@ pub fn help(ui: &mut Ui, language: Language) {
     }
 }
 
+/// Shows how much is done for a picture.
+pub fn quality(ui: &mut Ui, quality: Quality, language: Language) {
+    let word = match quality {
+        Quality::Low => text::LOW,
+        Quality::Medium => text::MEDIUM,
+        Quality::High => text::HIGH,
+    };
+    ui.label(look::quiet(format!(
+        "{} {} (F2)",
+        text::QUALITY.of(language),
+        word.of(language)
+    )));
+}
+
 /// How pictures follow the run.
 #[derive(Clone, Copy, Debug)]
 pub struct Pictures<'a> {
@@ -180,16 +194,7 @@ pub fn pace(ui: &mut Ui, pace: &Pace, pictures: &Pictures<'_>, language: Languag
             text::LATE.of(language)
         )));
     }
-    let quality = match pictures.quality {
-        Quality::Low => text::LOW,
-        Quality::Medium => text::MEDIUM,
-        Quality::High => text::HIGH,
-    };
-    ui.label(look::quiet(format!(
-        "{} {} (F2)",
-        text::QUALITY.of(language),
-        quality.of(language)
-    )));
+    self::quality(ui, pictures.quality, language);
     let rate = shown(pictures.rate, 0);
     ui.label(look::quiet(format!(
         "{rate} {} · {} {}",

@@ -2,10 +2,13 @@
 
 use crate::look;
 use crate::text::number;
-use eframe::egui::{Align2, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use eframe::egui::{
+    Align2, FontId, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, pos2, vec2,
+};
 use microsim_vocabulary::Language;
 
 /// A curve: times \[s\] and values, `None` where it has a gap.
+#[derive(Clone, Debug)]
 pub struct Curve {
     /// What it is.
     pub name: String,
@@ -13,8 +16,8 @@ pub struct Curve {
     pub points: Vec<(f64, Option<f64>)>,
 }
 
-/// Height of a plot \[points\].
-const HEIGHT: f32 = 120.0;
+/// Height of a plot of a debrief \[points\].
+pub const HEIGHT: f32 = 120.0;
 /// Room for the numbers of the vertical axis and the horizontal one \[points\].
 const MARGIN: [f32; 2] = [42.0, 18.0];
 
@@ -29,13 +32,12 @@ struct Axes {
 
 impl Axes {
     /// Takes the room of a plot.
-    fn new(ui: &mut Ui, end: f64, [low, high]: [f64; 2]) -> (Self, Painter) {
-        let size = vec2(ui.available_width(), HEIGHT);
-        let (place, _) = ui.allocate_exact_size(size, Sense::hover());
+    fn new(ui: &mut Ui, height: f32, end: f64, [low, high]: [f64; 2]) -> (Self, Response) {
+        let size = vec2(ui.available_width(), height);
+        let (place, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let low_corner = place.min + vec2(MARGIN[0], 4.0);
         let inner = Rect::from_min_max(low_corner, place.max - vec2(4.0, MARGIN[1]));
-        let painter = ui.painter_at(place);
-        painter.rect_filled(inner, 2.0, look::SURFACE);
+        ui.painter_at(place).rect_filled(inner, 2.0, look::SURFACE);
         let positive = |length: f64| if length > 0.0 { length } else { 1.0 };
         let axes = Self {
             inner,
@@ -43,7 +45,13 @@ impl Axes {
             low,
             high: low + positive(high - low),
         };
-        (axes, painter)
+        (axes, response)
+    }
+
+    /// The value of the horizontal axis at a place.
+    fn value(&self, place: Pos2) -> f64 {
+        let along = (place.x - self.inner.left()) / self.inner.width().max(1.0);
+        f64::from(along.clamp(0.0, 1.0)) * self.end
     }
 
     fn at(&self, x: f64, y: f64) -> Pos2 {
@@ -92,15 +100,27 @@ impl Axes {
     }
 }
 
-/// Shows curves from 0 to `end` \[s\]; `events` are marked at their times \[s\].
+/// What a plot over time has besides its curves.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Where it ends \[s\]; it begins at 0.
+    pub end: f64,
+    /// Times that are marked \[s\].
+    pub events: &'a [f64],
+    /// The time that is shown beside it \[s\].
+    pub now: Option<f64>,
+    /// How high it is \[points\].
+    pub height: f32,
+}
+
+/// Shows curves over time; the time that was clicked \[s\].
 pub fn show(
     ui: &mut Ui,
     title: &str,
     curves: &[Curve],
-    events: &[f64],
-    end: f64,
+    frame: &Frame<'_>,
     language: Language,
-) {
+) -> Option<f64> {
     ui.horizontal_wrapped(|ui| {
         ui.label(look::quiet(title).strong());
         for (index, curve) in curves.iter().enumerate() {
@@ -114,10 +134,14 @@ pub fn show(
         .iter()
         .flat_map(|curve| curve.points.iter().filter_map(|point| point.1));
     let top = values.fold(0.0, f64::max);
-    let (axes, painter) = Axes::new(ui, end, [0.0, top]);
-    for event in events {
-        let ends = [axes.at(*event, axes.low), axes.at(*event, axes.high)];
-        painter.line_segment(ends, Stroke::new(1.0, look::QUIET));
+    let (axes, response) = Axes::new(ui, frame.height, frame.end, [0.0, top]);
+    let painter = ui.painter_at(response.rect);
+    let upright = |time: f64, stroke| {
+        let ends = [axes.at(time, axes.low), axes.at(time, axes.high)];
+        painter.line_segment(ends, stroke);
+    };
+    for event in frame.events {
+        upright(*event, Stroke::new(1.0, look::QUIET));
     }
     axes.show(&painter, " s", language);
     for (index, curve) in curves.iter().enumerate() {
@@ -130,6 +154,12 @@ pub fn show(
             painter.add(Shape::line(points.collect(), stroke));
         }
     }
+    if let Some(now) = frame.now {
+        upright(now, Stroke::new(2.0, look::TEXT));
+    }
+    let is_pressed = response.clicked() || response.dragged();
+    let pointer = response.interact_pointer_pos().filter(|_| is_pressed);
+    pointer.map(|pointer| axes.value(pointer))
 }
 
 /// Shows a value after each attempt, from 0 before the first one, between two limits.
@@ -138,7 +168,8 @@ pub fn attempts(ui: &mut Ui, title: &str, values: &[f64], limits: [f64; 2], lang
     let [lower, upper] = limits;
     let low = values.iter().copied().fold(lower, f64::min);
     let high = values.iter().copied().fold(upper, f64::max);
-    let (axes, painter) = Axes::new(ui, values.len() as f64, [low, high]);
+    let (axes, response) = Axes::new(ui, HEIGHT, values.len() as f64, [low, high]);
+    let painter = ui.painter_at(response.rect);
     axes.show(&painter, "", language);
     for (limit, colour) in [(lower, look::GOOD), (upper, look::BAD)] {
         let ends = [axes.at(0.0, limit), axes.at(axes.end, limit)];

@@ -39,6 +39,8 @@ pub enum Wanted {
     Upkeep,
     /// What came of a session.
     Debrief(Box<Debrief>),
+    /// The session as it was recorded.
+    Replay(Box<Debrief>),
 }
 
 /// What the screen shows, and what is entered on it.
@@ -154,9 +156,7 @@ impl Records {
             .resizable(false)
             .show(ui, |ui| self.show_people(ui, ledger, language));
         egui::CentralPanel::default().show(ui, |ui| {
-            if let Some(debrief) = self.show_tabs(ui, ledger, language) {
-                wanted = Some(Wanted::Debrief(Box::new(debrief)));
-            }
+            wanted = self.show_tabs(ui, ledger, language).or(wanted.take());
         });
         wanted
     }
@@ -245,7 +245,7 @@ impl Records {
         ui: &mut Ui,
         ledger: &dyn Ledger,
         language: Language,
-    ) -> Option<Debrief> {
+    ) -> Option<Wanted> {
         ui.horizontal(|ui| {
             let shown = match (&self.chosen, &self.group) {
                 (Some(person), _) => &person.name,
@@ -279,7 +279,8 @@ impl Records {
                     attempts::Asked::Message(message, is_complaint) => {
                         self.message = Some((message, is_complaint));
                     }
-                    attempts::Asked::Debrief(debrief) => return Some(*debrief),
+                    attempts::Asked::Debrief(debrief) => return Some(Wanted::Debrief(debrief)),
+                    attempts::Asked::Replay(debrief) => return Some(Wanted::Replay(debrief)),
                 }
             }
             Tab::Learning => {

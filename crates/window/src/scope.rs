@@ -10,6 +10,8 @@ const RANGE: [f64; 2] = [4.0, 40.0];
 const STEP: f64 = 1.25;
 /// What a press of a key shifts the middle by, in diameters of the field.
 const SHIFT: f64 = 0.05;
+/// What a press of a key shifts the plane of focus by, in diameters of the field.
+const FOCUS: f64 = 0.02;
 /// Keys that shift the middle: key, axis of the field, direction.
 const SHIFTS: [(Key, usize, f64); 4] = [
     (Key::L, 0, 1.0),
@@ -65,15 +67,35 @@ impl Scope {
         (self.view != before).then(|| self.message())
     }
 
-    fn press(&mut self, key: Key) {
-        let magnify = |field: f64, by: f64| {
-            let [least, most] = RANGE;
-            let magnification = (MAGNIFIED_FIELD / field * by).clamp(least, most);
-            MAGNIFIED_FIELD / magnification
-        };
+    /// Multiplies the magnification, within what microscopes have.
+    pub fn magnify(&mut self, by: f64) {
+        let [least, most] = RANGE;
+        let magnification = (MAGNIFIED_FIELD / self.view.field * by).clamp(least, most);
+        self.view.field = MAGNIFIED_FIELD / magnification;
+    }
+
+    /// Shifts the middle by parts of the field, to the right and up in the picture.
+    pub fn shift(&mut self, by: [f64; 2]) {
+        for (axis, part) in by.into_iter().enumerate() {
+            self.view.centre[axis] += part * self.view.field;
+        }
+    }
+
+    /// Raises the plane of focus towards the eye, by a part of the field.
+    fn focus(&mut self, by: f64) {
+        // The eye leans from +z towards −y.
+        let (sin, cos) = (libm::sin(self.view.tilt), libm::cos(self.view.tilt));
+        self.view.centre[1] -= by * self.view.field * sin;
+        self.view.centre[2] += by * self.view.field * cos;
+    }
+
+    /// Sets it as a key asks.
+    pub fn press(&mut self, key: Key) {
         match key {
-            Key::Plus | Key::Equals => self.view.field = magnify(self.view.field, STEP),
-            Key::Minus => self.view.field = magnify(self.view.field, 1.0 / STEP),
+            Key::Plus | Key::Equals => self.magnify(STEP),
+            Key::Minus => self.magnify(1.0 / STEP),
+            Key::U => self.focus(FOCUS),
+            Key::O => self.focus(-FOCUS),
             Key::Num0 | Key::Home => self.view = self.of_level,
             key => {
                 if let Some((_, axis, sign)) = SHIFTS.iter().find(|(of, ..)| *of == key) {
@@ -111,5 +133,13 @@ mod tests {
         assert!((scope.magnification() - 4.0).abs() < 1e-9);
         scope.press(Key::Home);
         assert_eq!(scope.view(), of_level);
+
+        // A fiftieth of 25 mm along the line of sight.
+        scope.press(Key::U);
+        let raised = scope.view().centre;
+        let along = (raised[1] - 1e-3).hypot(raised[2]);
+        assert!((along - 5e-4).abs() < 1e-12 && raised[1] < 1e-3 && raised[2] > 0.0);
+        scope.press(Key::O);
+        assert!(scope.view().centre[2].abs() < 1e-12, "and back");
     }
 }

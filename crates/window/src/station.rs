@@ -1,9 +1,13 @@
 //! What the window needs of the station at which it is opened.
 
 use crate::ledger::{Debrief, Ledger};
+use microsim_host::playback::{Moment, Playback, Standing};
 use microsim_host::run::{Operator, RunOutcome};
 use microsim_message::{LocalText, SetupFile};
-use microsim_settings::{Desktop, RendererConfig};
+use microsim_settings::{Desktop, RendererConfig, WindowSettings};
+use std::io::{Read, Seek};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 /// All that can be trained.
@@ -89,6 +93,83 @@ pub trait Station: Ledger {
     /// # Errors
     /// Why it cannot begin.
     fn begin(&self, choice: &Choice) -> Result<Box<dyn LiveSession>, String>;
+
+    /// Stores how the window looks, for later windows of this station; the file.
+    ///
+    /// # Errors
+    /// Why it cannot be written.
+    fn store_settings(&self, settings: &WindowSettings) -> Result<PathBuf, String>;
+
+    /// A recorded session that can be computed again.
+    ///
+    /// # Errors
+    /// Why it cannot: it cannot be read, or its module is not installed.
+    fn replay(&self, session: &Path) -> Result<Box<dyn Recording>, String>;
+}
+
+/// A recorded session that was not opened yet.
+pub trait Recording: Send {
+    /// What is seen of it, and how.
+    fn picture(&self) -> &RendererConfig;
+
+    /// The files of models that objects of its level have, by their names.
+    fn files(&self) -> &[SetupFile];
+
+    /// Length of a tick \[s\].
+    fn tick(&self) -> f64;
+
+    /// Reads it and prepares what computes it, in the thread that does.
+    ///
+    /// # Errors
+    /// Why it cannot be computed.
+    fn open(self: Box<Self>) -> Result<Box<dyn Computation>, String>;
+}
+
+/// What computes a recorded session again, as [`Playback`] does.
+pub trait Computation {
+    /// The ticks that can be computed.
+    fn range(&self) -> Range<u64>;
+
+    /// The tick that comes next.
+    fn tick(&self) -> u64;
+
+    /// What the comparison with the recording shows so far.
+    fn standing(&self) -> Standing;
+
+    /// Goes to the nearest place from which a tick can be computed.
+    ///
+    /// # Errors
+    /// If the state cannot be restored.
+    fn seek(&mut self, tick: u64) -> Result<(), String>;
+
+    /// Computes a tick; `None` behind the last one.
+    ///
+    /// # Errors
+    /// If the session cannot be read any more, or the state cannot be saved or restored.
+    fn step(&mut self) -> Result<Option<Moment>, String>;
+}
+
+impl<R: Read + Seek> Computation for Playback<R> {
+    fn range(&self) -> Range<u64> {
+        let (first, end) = Self::range(self);
+        first..end
+    }
+
+    fn tick(&self) -> u64 {
+        Self::tick(self)
+    }
+
+    fn standing(&self) -> Standing {
+        Self::standing(self).clone()
+    }
+
+    fn seek(&mut self, tick: u64) -> Result<(), String> {
+        Self::seek(self, tick).map_err(|e| e.to_string())
+    }
+
+    fn step(&mut self) -> Result<Option<Moment>, String> {
+        Self::step(self).map_err(|e| e.to_string())
+    }
 }
 
 /// A run that has not begun yet.

@@ -13,11 +13,15 @@ use microsim_message::{
     ToolState, ToolStatus,
 };
 use microsim_render::Quality;
-use microsim_report::{ReportBuilder, ReportInput};
+use microsim_report::{Moment, MomentKind, ReportBuilder, ReportInput, ToolSeries};
+use microsim_settings::{RendererConfig, View};
 use microsim_vocabulary::Language;
 use std::path::PathBuf;
 
+mod appearance;
+mod player;
 mod records;
+mod replay;
 mod upkeep;
 
 const LANGUAGES: [Language; 2] = [Language::German, Language::English];
@@ -163,6 +167,22 @@ fn trainees() -> Result<Vec<TraineeEntry>, String> {
     Ok(names.iter().map(entry).collect())
 }
 
+/// A microscope over nothing.
+fn renderer() -> RendererConfig {
+    RendererConfig {
+        view: View {
+            field: 0.025,
+            centre: [0.0; 3],
+            tilt: 0.0,
+        },
+        models: Default::default(),
+        bodies: Vec::new(),
+        width: 64,
+        height: 64,
+        caption: None,
+    }
+}
+
 fn show_launcher(ui: &mut Ui, launcher: &mut Launcher, language: Language) -> Option<Wanted> {
     let (catalogue, trainees) = (catalogue(), trainees());
     let offer = Offer {
@@ -171,6 +191,30 @@ fn show_launcher(ui: &mut Ui, launcher: &mut Launcher, language: Language) -> Op
         locked: &|choice| (choice.level > 2).then(|| words(6)),
     };
     launcher.show(ui, &offer, language)
+}
+
+/// No text has a letter or sign for which a hollow box would stand.
+#[test]
+fn fonts_have_all_signs_of_all_texts() {
+    let context = egui::Context::default();
+    look::apply(&context);
+    let mut output = context.run_ui(RawInput::default(), |_| ());
+    output.textures_delta.clear();
+    let font = egui::FontId::proportional(15.0);
+    let speeds = crate::console::SPEED_NAMES.map(|name| ("a speed", format!("×{name}")));
+    let phrases = crate::text::ALL.iter().flat_map(|(name, phrase)| {
+        LANGUAGES.map(|language| (*name, phrase.of(language).to_owned()))
+    });
+    let missing: Vec<(&str, char)> = context.fonts_mut(|fonts| {
+        let signs = phrases
+            .chain(speeds)
+            .flat_map(|(name, text)| text.chars().map(|sign| (name, sign)).collect::<Vec<_>>());
+        signs
+            .filter(|(_, sign)| !fonts.has_glyph(&font, *sign))
+            .collect()
+    });
+    assert!(missing.is_empty(), "{missing:?}");
+    assert!(!context.fonts_mut(|fonts| fonts.has_glyph(&font, '\u{e123}')));
 }
 
 #[test]
@@ -283,12 +327,13 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
     }
 }
 
-#[test]
-fn the_debrief_has_room_for_its_texts() {
+/// A debrief with as much as a long level leaves behind.
+fn long_debrief() -> Debrief {
     let input = ReportInput {
         module_title: words(2),
         level: 2,
         level_title: words(3),
+        tick_s: 0.008,
         ..ReportInput::default()
     };
     let mut report = ReportBuilder::new(&input).finish();
@@ -324,12 +369,39 @@ fn the_debrief_has_room_for_its_texts() {
     report.categories = (1..=3).map(category).collect();
     report.score = Some(66.0);
     report.reasons = vec![words(9), words(14)];
-    let debrief = Debrief {
+    report.simulated = 200.0;
+    let kinds = [
+        MomentKind::Begin,
+        MomentKind::Grip,
+        MomentKind::Cut,
+        MomentKind::Tear,
+        MomentKind::Event,
+    ];
+    let moment = |tick: u64| Moment {
+        kind: kinds[tick as usize % kinds.len()],
+        session_time: 10.0 * tick as f64,
+        tick: 1250 * tick,
+        text: words(4 + tick as usize),
+        event: None,
+    };
+    report.moments = (0..20).map(moment).collect();
+    report.series = vec![ToolSeries {
+        tool: "right".into(),
+        time: (0..200).map(f64::from).collect(),
+        speed: (0..200).map(|k| Some(1e-4 * f64::from(k))).collect(),
+        ..ToolSeries::default()
+    }];
+    Debrief {
         report,
         session: PathBuf::from("/home/somebody/microsim/sessions/a-long-name-of-a-session.session"),
         page: PathBuf::from("page.html"),
         complaints: vec!["the result is not in the store".into()],
-    };
+    }
+}
+
+#[test]
+fn the_debrief_has_room_for_its_texts() {
+    let debrief = long_debrief();
     everywhere("debrief", |ui, language| {
         debrief::show(ui, &debrief, true, language);
     });

@@ -88,7 +88,7 @@ phrases! {
     STALE: "veraltet", "stale";
     NEVER_SEEN: "nie gesehen", "never seen";
     MOUSE: "Maus: Spitze bewegen · Rad: heben, senken · links: schließen · rechts ziehen: drehen", "Mouse: move the tip · wheel: raise, lower · left: close · drag right: turn";
-    KEYS: "Tab: andere Hand · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · +, −, 0: Vergrößerung · I, J, K, L: Bild verschieben · Esc: Pause", "Tab: other hand · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · +, −, 0: magnification · I, J, K, L: move the view · Esc: pause";
+    KEYS: "Tab: andere Hand · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · +, −, 0: Vergrößerung · I, J, K, L: Bild verschieben · U, O: Schärfe · Esc: Pause", "Tab: other hand · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · +, −, 0: magnification · I, J, K, L: move the view · U, O: focus · Esc: pause";
     SPEED_OF_RUN: "Rechner", "Computer";
     TICK: "Tick", "tick";
     TO_THE_TICK: "bis zum Tick", "to the tick";
@@ -118,6 +118,49 @@ phrases! {
     SESSION: "Aufzeichnung", "Session";
     NO_PICTURE: "Kein Bild", "No picture";
     NOT_BEGUN: "Die Stufe konnte nicht beginnen", "The level could not begin";
+
+    REPLAY: "Wiedergabe", "Replay";
+    REPLAY_KEY: "Wiedergabe (R)", "Replay (R)";
+    CLICK_TO_REPLAY: "Ein Klick zeigt den Augenblick in der Wiedergabe", "A click shows the moment in the replay";
+    NO_REPLAY: "Die Aufzeichnung kann nicht abgespielt werden", "The session cannot be replayed";
+    TO_THE_DEBRIEF: "Zur Auswertung (Esc)", "Back to the debrief (Esc)";
+    PLAY: "Abspielen", "Play";
+    PAUSE: "Pause", "Pause";
+    TO_THE_BEGIN: "zum Anfang (Pos1)", "to the begin (Home)";
+    TO_THE_END: "zum Ende (Ende)", "to the end (End)";
+    ONE_BACK: "einen Tick zurück (Pfeil links)", "one tick back (left arrow)";
+    ONE_FORTH: "einen Tick vor (Pfeil rechts)", "one tick forth (right arrow)";
+    EVENT_BEFORE: "zum Ereignis davor (Pfeil auf)", "to the event before (arrow up)";
+    EVENT_AFTER: "zum nächsten Ereignis (Pfeil ab)", "to the next event (arrow down)";
+    COMPUTED_WITH: "gerechnet mit", "computed at";
+    RECORDING_IS_READ: "Die Aufzeichnung wird gelesen und das Gewebe vorbereitet …", "The session is read and the tissue is being prepared …";
+    IS_COMPUTED: "Bis dorthin wird neu gerechnet:", "Computed again up to there:";
+    NOTHING_RECORDED: "Die Aufzeichnung hat keinen Tick", "The session has no tick";
+    SAME_SO_FAR: "Neu gerechnet, bisher gleich: Tick", "Computed again, the same so far: tick";
+    SAME_TO_THE_END: "Neu gerechnet, bis zum Ende gleich", "Computed again, the same to the end";
+    DIFFERS_AT: "Weicht ab bei Tick", "Differs at tick";
+    NOT_AS_RECORDED: "Was von dort an zu sehen ist, wurde so nicht aufgezeichnet", "What is shown from there on is not what was recorded";
+    REPLAY_ENDED: "Die Wiedergabe ist abgebrochen:", "The replay broke off:";
+    REPLAY_KEYS: "Leertaste: abspielen, Pause · Pfeil links, rechts: ein Tick · auf, ab: Ereignis davor, danach · Pos1, Ende · 1 bis 5: Tempo · +, −, Rad: Vergrößerung · I, J, K, L, Ziehen: Bild verschieben · U, O: Schärfe · 0: wie in der Stufe · F2: Bildgüte · Esc: zurück", "Space: play, pause · arrows left, right: one tick · up, down: event before, after · Home, End · 1 to 5: speed · +, −, wheel: magnification · I, J, K, L, drag: move the view · U, O: focus · 0: as in the level · F2: picture quality · Esc: back";
+
+    SETTINGS: "Einstellungen", "Settings";
+    LANGUAGE_OF_TEXTS: "Sprache", "Language";
+    AUTOMATIC: "selbsttätig", "automatic";
+    DEPTH_OF_FIELD: "Schärfentiefe", "Depth of field";
+    IF_HIGH: "bei hoher Bildgüte", "where the quality is high";
+    STEREO: "Stereobild", "Stereo picture";
+    MONO: "keines", "none";
+    SIDE_BY_SIDE: "nebeneinander", "side by side";
+    TOP_BOTTOM: "übereinander", "one above the other";
+    ROW_INTERLEAVED: "zeilenweise (Polarisation)", "row by row (polarised)";
+    RED_CYAN: "rot und türkis (Brille aus Papier)", "red and cyan (glasses of paper)";
+    STEREO_BASE: "Abstand der Augen im Objektiv", "Distance of the eyes in the main lens";
+    WORKING_DISTANCE: "Arbeitsabstand", "Working distance";
+    FULL_SCREEN: "Ganzer Bildschirm", "Full screen";
+    PANELS: "Angaben neben dem Bild", "Panels beside the picture";
+    STORE_SETTINGS: "Für diese Station speichern", "Store for this station";
+    HOLDS_AT_ONCE: "Was geändert ist, gilt sofort, und nach dem Speichern auch für spätere Fenster", "What is changed holds at once, and once it is stored for later windows, too";
+    STORED_IN: "Gespeichert in", "Stored in";
 
     ALL_GROUPS: "alle Gruppen", "all groups";
     EVERYBODY: "Alle", "Everybody";

@@ -1,5 +1,6 @@
 //! Training: the picture in the middle, the task to its left, the instruments to its right.
 
+use crate::canvas::{Canvas, Subject};
 use crate::field::Field;
 use crate::hands::Hands;
 use crate::live::{Ended, Live, Snapshot};
@@ -9,7 +10,7 @@ use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
 use crate::text;
 use crate::{look, panels};
-use eframe::egui::{self, Key, Rect, RichText, Sense, TextureId, Ui};
+use eframe::egui::{self, Key, Rect, RichText, Ui};
 use microsim_message::{LevelState, ToolStates};
 use microsim_render::{Models, Quality};
 use microsim_settings::RendererConfig;
@@ -38,8 +39,7 @@ pub struct Training {
     /// Whether the trainee has begun: before, the level lies there as it is after its first tick.
     has_begun: bool,
     snapshot: Option<Snapshot>,
-    picture: Option<TextureId>,
-    complaint: Option<String>,
+    canvas: Canvas,
     /// When the last pictures were drawn.
     drawn: VecDeque<Instant>,
     /// From snapshots to their pictures.
@@ -90,15 +90,20 @@ impl Training {
             hands,
             has_begun: false,
             snapshot: None,
-            picture: None,
-            complaint: None,
+            canvas: Canvas::default(),
             drawn: VecDeque::new(),
             delays: Arc::default(),
         })
     }
 
     /// Shows it, and hands on what mouse and keyboard ask for.
-    pub fn show(&mut self, ui: &mut Ui, field: &mut Field, language: Language) -> Option<Outcome> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        field: &mut Field,
+        panels: bool,
+        language: Language,
+    ) -> Option<Outcome> {
         if let Some(ended) = self.live.ended() {
             return Some(Outcome::Ended(ended));
         }
@@ -108,11 +113,15 @@ impl Training {
         let newest = self.live.take();
         let is_new = newest.is_some();
         self.snapshot = newest.or(self.snapshot.take());
-        self.show_task(ui, language);
+        if panels {
+            self.show_task(ui, language);
+        }
         if ui.input(|input| input.key_pressed(Key::F2)) {
             field.change_quality();
         }
-        self.show_instruments(ui, field.quality(), language);
+        if panels {
+            self.show_instruments(ui, field.quality(), language);
+        }
         let shown = egui::CentralPanel::default()
             .frame(egui::Frame::NONE.fill(egui::Color32::BLACK))
             .show(ui, |ui| self.show_picture(ui, field, is_new, language));
@@ -127,11 +136,11 @@ impl Training {
             self.live.look(view);
             self.config.view = self.scope.view();
             // The picture is drawn again, whether or not anything moves.
-            self.picture = None;
+            self.canvas.redraw();
         }
         if let Some(hands) = &mut self.hands {
             hands.look(self.scope.view());
-            let wishes = ui.input(|input| hands.wishes(input, picture));
+            let wishes = ui.input(|input| hands.wishes(input, field.eye(picture)));
             wishes.into_iter().for_each(|wish| self.live.wish(wish));
         }
         None
@@ -201,58 +210,24 @@ impl Training {
         is_new: bool,
         language: Language,
     ) -> Rect {
-        let place = ui.available_rect_before_wrap();
-        let scale = ui.ctx().pixels_per_point();
-        let size = [place.width(), place.height()].map(|side| (side * scale).round() as u32);
-        if let Some(snapshot) = &self.snapshot
-            && (is_new || self.picture.is_none())
-        {
-            match field.draw(&self.config, &mut self.models, snapshot, size) {
-                Ok(picture) => {
-                    self.picture = Some(picture);
-                    self.complaint = None;
-                    if is_new && self.has_begun {
-                        field.time(snapshot.finished, &self.delays);
-                    }
-                    self.drawn.push_back(Instant::now());
-                    if self.drawn.len() > RATED {
-                        self.drawn.pop_front();
-                    }
-                }
-                Err(why) => self.complaint = Some(why),
+        let subject = Subject {
+            config: &self.config,
+            models: &mut self.models,
+            snapshot: self.snapshot.as_ref(),
+            is_new,
+        };
+        let waiting = text::STARTING.of(language);
+        let (response, is_drawn) = self.canvas.show(ui, field, subject, waiting, language);
+        if is_drawn {
+            if let Some(snapshot) = self.snapshot.as_ref().filter(|_| is_new && self.has_begun) {
+                field.time(snapshot.finished, &self.delays);
+            }
+            self.drawn.push_back(Instant::now());
+            if self.drawn.len() > RATED {
+                self.drawn.pop_front();
             }
         }
-        ui.allocate_rect(place, Sense::hover());
-        let painter = ui.painter_at(place);
-        match self.picture {
-            Some(picture) => {
-                let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-                painter.image(picture, place, all, egui::Color32::WHITE);
-            }
-            None => {
-                let text = text::STARTING.of(language);
-                let font = egui::FontId::proportional(17.0);
-                painter.text(
-                    place.center(),
-                    egui::Align2::CENTER_CENTER,
-                    text,
-                    font,
-                    look::TEXT,
-                );
-            }
-        }
-        if let Some(why) = &self.complaint {
-            let text = format!("{}: {why}", text::NO_PICTURE.of(language));
-            let font = egui::FontId::proportional(15.0);
-            painter.text(
-                place.center_bottom(),
-                egui::Align2::CENTER_BOTTOM,
-                text,
-                font,
-                look::BAD,
-            );
-        }
-        place
+        response.rect
     }
 
     /// Pictures in a second.

@@ -150,6 +150,57 @@ fn unknown_keys_and_wrong_units() {
     }
 }
 
+/// Those of the window keep it from opening, and no run from beginning. No display is needed for that.
+#[test]
+fn the_settings_of_the_window() {
+    let file = "config/window.toml";
+    for (from, to, says) in [
+        (
+            "stereo_base = ",
+            "stereo_bas = ",
+            ":1: key `stereo_bas`: found an unknown key, expected `language`, `quality`, `stereo`, `stereo_base`, `working_distance`, \
+             `depth_of_field`, `full_screen` or `panels` (did you mean `stereo_base`?)",
+        ),
+        (
+            "working_distance = \"250 mm\"",
+            "working_distance = \"250 Hz\"",
+            ":20: key `working_distance`: found the text `250 Hz` (a frequency), expected a length from 20 cm to 45 cm",
+        ),
+        (
+            "stereo = \"mono\"",
+            "stereo = \"both\"",
+            ":10: key `stereo`: found the text `both`, expected \"mono\", \"side-by-side\", \"top-bottom\", \"row-interleaved\" or \"red-cyan\"",
+        ),
+    ] {
+        let tree = tree();
+        let path = tree.edit(file, from, to);
+        let text = std::fs::read_to_string(&path).expect("it was written");
+        let before = text.split(to).next().expect("the text");
+        let complaint = format!("{}:{}{says}", path.display(), before.lines().count() + 1);
+        let mut window = tree.command(&["window"]);
+        let printed: Finished = window
+            .env_remove("DISPLAY")
+            .output()
+            .expect("it runs")
+            .into();
+        let printed = printed.expect(2);
+        assert!(
+            printed.err.contains(&complaint),
+            "expected {complaint} in {printed:?}"
+        );
+        let place = path.display().to_string();
+        let check = tree.microsim(&["check", &place, "--json"]).expect(1).json();
+        let quoted = json!(complaint).to_string();
+        assert!(
+            check["problems"]
+                .to_string()
+                .contains(quoted.trim_matches('"')),
+            "{check}"
+        );
+        run(&tree, "script:short.toml", &[]).expect(0);
+    }
+}
+
 #[test]
 fn missing_files() {
     for (file, says) in [

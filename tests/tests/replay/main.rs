@@ -8,6 +8,7 @@ mod bits;
 mod checkpoint;
 mod forged;
 mod live;
+mod playback;
 mod signed;
 mod state;
 #[path = "../plugins/tree.rs"]

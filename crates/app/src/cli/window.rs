@@ -3,6 +3,7 @@
 use super::value::{parse_input, parse_level};
 use clap::Args;
 use microsim_host::assemble::Input;
+use std::path::PathBuf;
 
 /// Smallest window that has room for all of a screen.
 const LEAST: [f32; 2] = [1000.0, 640.0];
@@ -13,7 +14,9 @@ const LEAST: [f32; 2] = [1000.0, 640.0];
   microsim window coordination --level 2 --trainee \"A. Muster\" --lang de
   microsim window coordination --level 4 --input script:level4-pass.toml
 
-Mouse and keyboard move the instruments (config/desktop.toml). A run is recorded as every other, replays to the bit, and enters the store.")]
+  microsim window --replay NAME                        # the session that a run has named
+
+Mouse and keyboard move the instruments (config/desktop.toml). A run is recorded as every other, replays to the bit, and enters the store. A replay computes a session again, tick by tick, compares it with what was recorded, and stores nothing.")]
 pub struct WindowArgs {
     /// Module to begin with, as `microsim list` shows it; without one the window shows all of them
     pub module: Option<String>,
@@ -29,6 +32,9 @@ pub struct WindowArgs {
     /// What moves the instruments: desktop (mouse and keyboard), openigtlink://HOST:PORT (a tracker), script:FILE, recording:FILE or plugin:NAME
     #[arg(long, value_name = "SOURCE", default_value = "desktop", value_parser = parse_window_input)]
     pub input: Input,
+    /// Session to replay: its file, or the name under which a run has recorded it
+    #[arg(long, value_name = "SESSION", conflicts_with_all = ["module", "input"])]
+    pub replay: Option<PathBuf>,
     /// Language of all texts [default: `report.language` of config/host.toml]
     #[arg(long, value_name = "LANGUAGE", value_parser = ["de", "en"])]
     pub lang: Option<String>,
@@ -45,6 +51,7 @@ impl Default for WindowArgs {
             variant: None,
             trainee: None,
             input: Input::Desktop,
+            replay: None,
             lang: None,
             size: [1280.0, 720.0],
         }

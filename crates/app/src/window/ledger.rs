@@ -10,7 +10,6 @@ use crate::names::{name_or_id, shown};
 use crate::output::Problem;
 use crate::records::{self, find, new_id};
 use crate::result_table;
-use crate::session_file::{read_around, report_of};
 use microsim_message::LocalText;
 use microsim_report::Verdict as Reported;
 use microsim_settings::unwritable;
@@ -377,13 +376,7 @@ impl Ledger for AtThisPlace {
         let read = || {
             let store = records::must_read(&self.place)?;
             let session = PathBuf::from(store.find_session(id)?.session.path);
-            let recorded = read_around(&session)?;
-            Ok::<_, Problem>(Debrief {
-                report: report_of(&recorded, &session)?,
-                page: session.with_extension("html"),
-                session,
-                complaints: Vec::new(),
-            })
+            super::recorded::debrief(session)
         };
         read().map_err(text)
     }

@@ -63,6 +63,7 @@ fn accept(kind: &str, value: &Value) -> Result<(), String> {
         "chart" => parse::<Chart>(value),
         "tool" => parse::<Tool>(value),
         "vessel" => parse::<Vessel>(value),
+        "window" => parse::<WindowSettings>(value),
         "translator" => parse::<Translator>(value),
         "recording" => parse::<RecordingMap>(value),
         "script" => parse::<Script>(value),

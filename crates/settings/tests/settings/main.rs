@@ -12,13 +12,14 @@ use microsim_settings::*;
 use serde_json::Value;
 
 /// A full example of each kind: every key of its schema occurs.
-const EXAMPLES: [(&str, &str); 12] = [
+const EXAMPLES: [(&str, &str); 13] = [
     ("manifest", include_str!("../examples/manifest.toml")),
     ("level", include_str!("../examples/level.toml")),
     ("scene", include_str!("../examples/scene.toml")),
     ("chart", include_str!("../examples/chart.toml")),
     ("tool", include_str!("../examples/tool.toml")),
     ("vessel", include_str!("../examples/vessel.toml")),
+    ("window", include_str!("../examples/window.toml")),
     ("translator", include_str!("../examples/translator.toml")),
     ("recording", include_str!("../examples/recording.toml")),
     ("script", include_str!("../examples/script.toml")),
@@ -62,6 +63,7 @@ fn read(kind: &str, text: &str) -> Result<Value, ConfigErrors> {
         "chart" => read_chart(text, file)?.document,
         "tool" => read_tool(text, file)?.document,
         "vessel" => read_vessel(text, file)?.document,
+        "window" => read_window(text, file)?.document,
         "translator" => read_translator(text, file)?.document,
         "recording" => read_recording_map(text, file)?.document,
         "script" => read_script(text, file)?.document,

@@ -1,0 +1,92 @@
+//! The place of the picture on a screen: the field as it was drawn last, or why there is none.
+
+use crate::field::Field;
+use crate::live::Snapshot;
+use crate::look;
+use crate::text;
+use eframe::egui::{self, Align2, Color32, FontId, Rect, Response, Sense, TextureId, Ui};
+use microsim_render::Models;
+use microsim_settings::RendererConfig;
+use microsim_vocabulary::Language;
+
+/// What is drawn.
+pub struct Subject<'a> {
+    /// What there is to see, and how.
+    pub config: &'a RendererConfig,
+    /// Models of objects.
+    pub models: &'a mut Models,
+    /// The newest state, if there is one.
+    pub snapshot: Option<&'a Snapshot>,
+    /// Whether it was not drawn yet.
+    pub is_new: bool,
+}
+
+/// The picture, and what is wrong with it.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    picture: Option<TextureId>,
+    complaint: Option<String>,
+}
+
+impl Canvas {
+    /// Has the picture drawn again, whether or not anything moves.
+    pub fn redraw(&mut self) {
+        self.picture = None;
+    }
+
+    /// Shows it in all of the room that there is; `waiting` before there is a picture. Whether the newest state was drawn now.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        field: &mut Field,
+        subject: Subject<'_>,
+        waiting: &str,
+        language: Language,
+    ) -> (Response, bool) {
+        let place = ui.available_rect_before_wrap();
+        let scale = ui.ctx().pixels_per_point();
+        let size = [place.width(), place.height()].map(|side| (side * scale).round() as u32);
+        let mut is_drawn = false;
+        if let Some(snapshot) = subject.snapshot
+            && (subject.is_new || self.picture.is_none())
+        {
+            match field.draw(subject.config, subject.models, snapshot, size) {
+                Ok(picture) => {
+                    self.picture = Some(picture);
+                    self.complaint = None;
+                    is_drawn = true;
+                }
+                Err(why) => self.complaint = Some(why),
+            }
+        }
+        let response = ui.allocate_rect(place, Sense::click_and_drag());
+        let painter = ui.painter_at(place);
+        let write = |at, align, size, text: &str, colour| {
+            painter.text(at, align, text, FontId::proportional(size), colour);
+        };
+        match self.picture {
+            Some(picture) => {
+                let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+                painter.image(picture, place, all, Color32::WHITE);
+            }
+            None => write(
+                place.center(),
+                Align2::CENTER_CENTER,
+                17.0,
+                waiting,
+                look::TEXT,
+            ),
+        }
+        if let Some(why) = &self.complaint {
+            let why = format!("{}: {why}", text::NO_PICTURE.of(language));
+            write(
+                place.center_bottom(),
+                Align2::CENTER_BOTTOM,
+                15.0,
+                &why,
+                look::BAD,
+            );
+        }
+        (response, is_drawn)
+    }
+}

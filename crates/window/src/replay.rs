@@ -1,0 +1,220 @@
+//! Replay: a recorded session under a microscope of the viewer's own, with its time line below and what happened beside it. Nothing of it is recorded.
+
+use crate::canvas::{Canvas, Subject};
+use crate::console::{Asked, Console, by_key};
+use crate::field::Field;
+use crate::ledger::Debrief;
+use crate::live::Snapshot;
+use crate::player::Player;
+use crate::plot::Curve;
+use crate::scope::Scope;
+use crate::station::Recording;
+use crate::text;
+use crate::timeline::{self, Mark};
+use eframe::egui::{self, Event, Key, Ui};
+use microsim_render::Models;
+use microsim_settings::RendererConfig;
+use microsim_vocabulary::Language;
+
+/// A notch of the wheel multiplies the magnification with this.
+const WHEEL: f64 = 1.1;
+/// Points of scrolling that are a notch.
+const NOTCH: f64 = 50.0;
+
+/// A session that is replayed.
+pub struct Replay {
+    /// What came of it.
+    pub debrief: Box<Debrief>,
+    marks: Vec<Mark>,
+    /// Speeds and forces, in a language.
+    curves: Option<(Language, [Vec<Curve>; 2])>,
+    config: RendererConfig,
+    models: Models,
+    player: Player,
+    scope: Scope,
+    snapshot: Option<Snapshot>,
+    canvas: Canvas,
+}
+
+/// What the viewer asked for that leads elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// To the debrief.
+    Back,
+    /// The other language.
+    Language,
+}
+
+impl Replay {
+    /// Opens a session at a tick.
+    ///
+    /// # Errors
+    /// If a model cannot be read, or the system has no thread for it; the debrief comes back with the reason.
+    pub fn begin(
+        debrief: Box<Debrief>,
+        recording: Box<dyn Recording>,
+        tick: u64,
+        context: &egui::Context,
+    ) -> Result<Self, (Box<Debrief>, String)> {
+        let config = recording.picture().clone();
+        let files = recording.files().iter();
+        let files: Vec<(&str, &[u8])> = files.map(|f| (&f.name[..], &f.bytes[..])).collect();
+        let wake = {
+            let context = context.clone();
+            move || context.request_repaint()
+        };
+        let models = Models::new(&files);
+        let begun = models.and_then(|models| Ok((models, Player::start(recording, tick, wake)?)));
+        let (models, player) = match begun {
+            Ok(begun) => begun,
+            Err(why) => return Err((debrief, why)),
+        };
+        Ok(Self {
+            marks: timeline::marks(&debrief.report),
+            debrief,
+            curves: None,
+            scope: Scope::new(config.view),
+            config,
+            models,
+            player,
+            snapshot: None,
+            canvas: Canvas::default(),
+        })
+    }
+
+    /// Shows it, and does what is asked for.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        field: &mut Field,
+        panels: bool,
+        language: Language,
+    ) -> Option<Outcome> {
+        let newest = self.player.take();
+        let is_new = newest.is_some();
+        self.snapshot = newest.or(self.snapshot.take());
+        let mut asked = self.use_keys(ui, field);
+        let report = &self.debrief.report;
+        if self.curves.as_ref().is_none_or(|(of, _)| *of != language) {
+            let both = [
+                timeline::speeds(report, language),
+                timeline::forces(report, language),
+            ];
+            self.curves = Some((language, both));
+        }
+        let state = self.player.state();
+        let console = Console {
+            report,
+            marks: &self.marks,
+            curves: self.curves.as_ref().map_or(&[], |(_, curves)| curves),
+            state: &state,
+            plays: self.player.plays(),
+            speed: self.player.speed(),
+            magnification: self.scope.magnification(),
+            quality: field.quality(),
+            panels,
+        };
+        asked.extend(console.show(ui, language));
+        let waiting = match state.is_open && state.range.is_empty() {
+            true => text::NOTHING_RECORDED,
+            false => text::RECORDING_IS_READ,
+        };
+        let frame = egui::Frame::NONE.fill(egui::Color32::BLACK);
+        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+            let subject = Subject {
+                config: &self.config,
+                models: &mut self.models,
+                snapshot: self.snapshot.as_ref(),
+                is_new,
+            };
+            let waiting = waiting.of(language);
+            let (response, _) = self.canvas.show(ui, field, subject, waiting, language);
+            let eye = field.eye(response.rect);
+            self.set_scope(ui, &response, eye);
+        });
+        let mut outcome = None;
+        for asked in asked {
+            outcome = self.follow(asked).or(outcome);
+        }
+        outcome
+    }
+
+    /// What keys ask for, one after the other, unless something is being chosen by keyboard.
+    fn use_keys(&mut self, ui: &Ui, field: &mut Field) -> Vec<Asked> {
+        if ui.memory(|memory| memory.focused().is_some()) {
+            return Vec::new();
+        }
+        let pressed = |event: &Event| match event {
+            Event::Key {
+                key, pressed: true, ..
+            } => Some(*key),
+            _ => None,
+        };
+        let keys: Vec<Key> = ui.input(|input| input.events.iter().filter_map(pressed).collect());
+        let mut asked = Vec::new();
+        let before = self.scope.view();
+        for key in keys {
+            match by_key(key) {
+                Some(wanted) => asked.push(wanted),
+                None if key == Key::F2 => {
+                    field.change_quality();
+                    self.canvas.redraw();
+                }
+                None => self.scope.press(key),
+            }
+        }
+        self.look_again(before != self.scope.view());
+        asked
+    }
+
+    /// The wheel magnifies, dragging moves the view along with the pointer.
+    fn set_scope(&mut self, ui: &Ui, response: &egui::Response, eye: egui::Rect) {
+        let before = self.scope.view();
+        let scrolled = f64::from(ui.input(|input| input.smooth_scroll_delta().y));
+        if response.hovered() && scrolled != 0.0 {
+            self.scope.magnify(libm::pow(WHEEL, scrolled / NOTCH));
+        }
+        let dragged = response.drag_delta();
+        if response.dragged() && dragged != egui::Vec2::ZERO {
+            // The field touches the nearer pair of edges.
+            let size = f64::from(eye.size().min_elem().max(1.0));
+            let [right, up] = [-f64::from(dragged.x) / size, f64::from(dragged.y) / size];
+            self.scope.shift([right, up]);
+        }
+        self.look_again(before != self.scope.view());
+    }
+
+    fn look_again(&mut self, is_changed: bool) {
+        if is_changed {
+            self.config.view = self.scope.view();
+            self.canvas.redraw();
+        }
+    }
+
+    /// Does what is asked for.
+    fn follow(&mut self, asked: Asked) -> Option<Outcome> {
+        // Where it goes, though it may not be there yet.
+        let goal = self.player.goal().unwrap_or_default();
+        match asked {
+            Asked::Back => return Some(Outcome::Back),
+            Asked::Language => return Some(Outcome::Language),
+            Asked::PlayOrPause => self.player.play(!self.player.plays()),
+            Asked::Speed(speed) => self.player.set_speed(speed),
+            Asked::GoTo(tick) => self.player.go_to(tick),
+            Asked::Begin => self.player.go_to(0),
+            Asked::End => self.player.go_to(u64::MAX),
+            Asked::Step(by) => self.player.step(by),
+            Asked::EventBefore => {
+                if let Some(tick) = timeline::previous(&self.marks, goal) {
+                    self.player.go_to(tick);
+                }
+            }
+            Asked::EventAfter => {
+                if let Some(tick) = timeline::next(&self.marks, goal) {
+                    self.player.go_to(tick);
+                }
+            }
+        }
+        None
+    }
+}

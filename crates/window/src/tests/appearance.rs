@@ -1,0 +1,99 @@
+//! The settings screen, laid out and used with mouse and keyboard.
+
+use super::records::{LONG, SIZE, click_on};
+use super::{SIZES, check_height, everywhere, texts};
+use crate::appearance::{Appearance, Wanted};
+use eframe::egui::{Event, Key, Modifiers, Ui};
+use microsim_settings::WindowSettings;
+use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
+
+#[test]
+fn the_settings_have_room_for_their_texts() {
+    let messages = [
+        None,
+        Some((
+            format!("Stored in /home/somebody/{LONG}/window.toml"),
+            false,
+        )),
+        Some((
+            format!("/home/somebody/{LONG}/window.toml cannot be written"),
+            true,
+        )),
+    ];
+    for message in messages {
+        let mut appearance = Appearance { message };
+        let mut settings = WindowSettings {
+            stereo: EyeLayout::RedCyan,
+            ..WindowSettings::default()
+        };
+        let mut show = |ui: &mut Ui, language| {
+            appearance.show(ui, &mut settings, language);
+        };
+        everywhere("settings", &mut show);
+        for size in SIZES {
+            let found = texts(size, Vec::new(), |ui| show(ui, Language::German));
+            check_height("settings", size, &found);
+        }
+    }
+}
+
+/// Clicks a text of the screen; what was asked for.
+fn click(settings: &mut WindowSettings, text: &str) -> Option<Wanted> {
+    let mut appearance = Appearance {
+        message: Some(("Stored in there".into(), false)),
+    };
+    let mut wanted = None;
+    click_on(text, |ui| {
+        wanted = appearance.show(ui, settings, Language::English).or(wanted);
+    });
+    if wanted == Some(Wanted::Changed) {
+        assert_eq!(
+            appearance.message, None,
+            "what was stored is not what holds now"
+        );
+    }
+    wanted
+}
+
+#[test]
+fn settings_are_changed_by_mouse() {
+    let mut settings = WindowSettings::default();
+    for text in ["Deutsch", "high", "where the quality is high", "F11", "F3"] {
+        assert_eq!(click(&mut settings, text), Some(Wanted::Changed), "{text}");
+    }
+    let expected = WindowSettings {
+        language: Some(Language::German),
+        quality: PictureQuality::High,
+        depth_of_field: false,
+        full_screen: true,
+        panels: false,
+        ..WindowSettings::default()
+    };
+    assert_eq!(settings, expected);
+    assert_eq!(
+        click(&mut settings, "Store for this station"),
+        Some(Wanted::Store)
+    );
+    assert_eq!(
+        click(&mut settings, "Back to the modules"),
+        Some(Wanted::Back)
+    );
+    assert_eq!(settings, expected);
+}
+
+#[test]
+fn escape_leads_back() {
+    let key = Event::Key {
+        key: Key::Escape,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    let mut wanted = None;
+    texts(SIZE, vec![key], |ui| {
+        let mut settings = WindowSettings::default();
+        wanted = Appearance::default().show(ui, &mut settings, Language::German);
+    });
+    assert_eq!(wanted, Some(Wanted::Back));
+}

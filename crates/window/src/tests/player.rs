@@ -1,0 +1,256 @@
+//! The player, with a computation that counts.
+
+use crate::player::{Player, State};
+use crate::station::{Computation, Recording};
+use microsim_host::playback::{Messages, Moment, Standing};
+use microsim_host::replay::Difference;
+use microsim_message::SetupFile;
+use microsim_settings::RendererConfig;
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Longest wait for the player on a machine that has other work.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Ticks from one checkpoint to the next.
+const SPACING: u64 = 50;
+
+/// What it is asked to do.
+#[derive(Clone)]
+struct Counted {
+    range: Range<u64>,
+    tick: u64,
+    /// The ticks that were computed, in this order.
+    computed: Arc<Mutex<Vec<u64>>>,
+    standing: Standing,
+    /// From here on no tick can be computed.
+    breaks_at: Option<u64>,
+    /// Reading fails from here on.
+    fails_at: Option<u64>,
+    tick_s: f64,
+    picture: RendererConfig,
+}
+
+impl Counted {
+    fn new() -> Self {
+        let picture = super::renderer();
+        Self {
+            range: 0..200,
+            tick: 0,
+            computed: Arc::default(),
+            standing: Standing::default(),
+            breaks_at: None,
+            fails_at: None,
+            tick_s: 0.001,
+            picture,
+        }
+    }
+
+    fn play(&self, tick: u64) -> Player {
+        Player::start(Box::new(self.clone()), tick, || ()).expect("a thread")
+    }
+}
+
+impl Recording for Counted {
+    fn picture(&self) -> &RendererConfig {
+        &self.picture
+    }
+    fn files(&self) -> &[SetupFile] {
+        &[]
+    }
+    fn tick(&self) -> f64 {
+        self.tick_s
+    }
+    fn open(self: Box<Self>) -> Result<Box<dyn Computation>, String> {
+        match self.range.end {
+            7 => Err("session a.session: it has no header".into()),
+            _ => Ok(self),
+        }
+    }
+}
+
+impl Computation for Counted {
+    fn range(&self) -> Range<u64> {
+        self.range.clone()
+    }
+    fn tick(&self) -> u64 {
+        self.tick
+    }
+    fn standing(&self) -> Standing {
+        self.standing.clone()
+    }
+    fn seek(&mut self, tick: u64) -> Result<(), String> {
+        let reached = tick.min(self.standing.compared);
+        let checkpoint = reached / SPACING * SPACING;
+        if self.tick > tick || self.tick < checkpoint {
+            self.tick = checkpoint;
+        }
+        Ok(())
+    }
+    fn step(&mut self) -> Result<Option<Moment>, String> {
+        if self.fails_at == Some(self.tick) {
+            return Err("the disk is gone".into());
+        }
+        if self.breaks_at == Some(self.tick) {
+            self.range.end = self.tick;
+            let (tick, what) = (self.tick, "tick 120 is missing".into());
+            self.standing.difference = Some(Difference { tick, what });
+            return Ok(None);
+        }
+        if self.tick == self.range.end {
+            self.standing.is_complete = self.standing.compared == self.range.end;
+            return Ok(None);
+        }
+        let tick = self.tick;
+        self.computed.lock().expect("no panic").push(tick);
+        self.tick += 1;
+        self.standing.compared = self.standing.compared.max(self.tick);
+        Ok(Some(Moment {
+            tick,
+            messages: Messages::new(),
+            blocks: Vec::new(),
+        }))
+    }
+}
+
+#[track_caller]
+fn until(player: &Player, what: &str, is_so: impl Fn(&State) -> bool) -> State {
+    let start = Instant::now();
+    loop {
+        let state = player.state();
+        if is_so(&state) {
+            return state;
+        }
+        assert!(start.elapsed() < PATIENCE, "{what}: {state:?}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[track_caller]
+fn shown(player: &Player, tick: u64) -> State {
+    until(player, "the tick is shown", |state| {
+        state.shown == Some(tick)
+    })
+}
+
+#[test]
+fn it_opens_at_a_tick_and_steps_back_without_computing() {
+    let counted = Counted::new();
+    let player = counted.play(37);
+    let state = shown(&player, 37);
+    assert_eq!(state.range, 0..200);
+    assert_eq!(state.standing.compared, 38);
+    let snapshot = player.take().expect("a state");
+    assert_eq!(snapshot.tick, 37);
+    assert!((snapshot.time - 0.038).abs() < 1e-12);
+    assert!(player.take().is_none(), "each is taken once");
+
+    // Two in quick succession are two.
+    player.step(-1);
+    player.step(-1);
+    shown(&player, 35);
+    player.step(1);
+    shown(&player, 36);
+    assert!(!player.plays());
+    let computed: Vec<u64> = (0..=37).collect();
+    assert_eq!(*counted.computed.lock().expect("no panic"), computed);
+}
+
+#[test]
+fn it_plays_to_the_end_pauses_there_and_begins_again() {
+    let player = Counted::new().play(0);
+    shown(&player, 0);
+    player.set_speed(4);
+    player.play(true);
+    shown(&player, 199);
+    let state = until(&player, "the end is compared", |s| s.standing.is_complete);
+    assert_eq!(state.standing.compared, 200);
+    until(&player, "it pauses", |_| !player.plays());
+    player.set_speed(0);
+    player.play(true);
+    until(&player, "it begins again", |s| s.shown < Some(199));
+}
+
+/// Twenty ticks of 10 ms last 0.2 s at the speed of the recording: slower on a busy machine, never faster.
+#[test]
+fn it_is_paced_by_the_wall_clock() {
+    let counted = Counted {
+        tick_s: 0.01,
+        ..Counted::new()
+    };
+    let player = counted.play(0);
+    shown(&player, 0);
+    let start = Instant::now();
+    player.play(true);
+    until(&player, "it goes on", |s| s.shown >= Some(20));
+    // The first tick is due at once.
+    assert!(
+        start.elapsed() >= Duration::from_millis(185),
+        "{:?}",
+        start.elapsed()
+    );
+    player.play(false);
+    // What lies ahead was computed meanwhile.
+    let computed = counted.computed.lock().expect("no panic").len();
+    assert!(computed > 21, "{computed}");
+}
+
+#[test]
+fn it_goes_to_the_nearest_tick_that_there_is() {
+    let player = Counted::new().play(500);
+    shown(&player, 199);
+    until(&player, "the end is compared", |s| s.standing.is_complete);
+    player.go_to(100);
+    shown(&player, 100);
+    player.step(-1000);
+    shown(&player, 0);
+}
+
+/// A tick that cannot be computed ends what can be shown, and what is before it can be shown still.
+#[test]
+fn it_ends_where_no_tick_can_be_computed() {
+    let counted = Counted {
+        breaks_at: Some(120),
+        ..Counted::new()
+    };
+    let player = counted.play(150);
+    let state = shown(&player, 119);
+    assert_eq!(state.range, 0..120);
+    assert_eq!(state.standing.difference.map(|found| found.tick), Some(120));
+    player.step(-19);
+    shown(&player, 100);
+}
+
+#[test]
+fn why_it_ended_is_stated() {
+    let short = Counted {
+        range: 0..7,
+        ..Counted::new()
+    };
+    let state = until(&short.play(0), "why", |state| state.failure.is_some());
+    assert!(!state.is_open && state.failure.is_some_and(|why| why.contains("no header")));
+    let failing = Counted {
+        fails_at: Some(60),
+        ..Counted::new()
+    };
+    let player = failing.play(59);
+    shown(&player, 59);
+    player.step(1);
+    let state = until(&player, "why", |state| state.failure.is_some());
+    assert_eq!(state.failure.as_deref(), Some("the disk is gone"));
+}
+
+/// A session that was killed before its first tick.
+#[test]
+fn there_may_be_no_tick() {
+    let empty = Counted {
+        range: 0..0,
+        ..Counted::new()
+    };
+    let player = empty.play(3);
+    until(&player, "it is open", |state| state.is_open);
+    player.play(true);
+    player.go_to(5);
+    player.step(-1);
+    assert_eq!(player.state().shown, None);
+}

@@ -1,0 +1,220 @@
+//! A replay around its picture, and how a debrief leads to it.
+
+use super::records::{SIZE, click_on};
+use super::{LANGUAGES, SIZES, check, check_height, long_debrief, texts};
+use crate::console::{Asked, Console, by_key};
+use crate::debrief::{self, Next};
+use crate::player::State;
+use crate::timeline;
+use eframe::egui::{Event, Key, Modifiers, Ui};
+use microsim_host::playback::Standing;
+use microsim_host::replay::Difference;
+use microsim_render::Quality;
+use microsim_report::Report;
+use microsim_vocabulary::Language;
+
+fn state() -> State {
+    State {
+        is_open: true,
+        range: 0..25_000,
+        shown: Some(12_345),
+        working: None,
+        standing: Standing {
+            compared: 20_000,
+            difference: None,
+            is_complete: false,
+        },
+        rate: Some(0.25),
+        failure: None,
+    }
+}
+
+fn differing() -> State {
+    let what = "message \"tool.states\" of \"translator\" differs: recorded ".to_owned();
+    State {
+        standing: Standing {
+            compared: 20_000,
+            difference: Some(Difference {
+                tick: 1234,
+                what: what + &"{\"tools\":[]} ".repeat(40),
+            }),
+            is_complete: false,
+        },
+        working: Some((24_000, 0.4)),
+        ..state()
+    }
+}
+
+fn show(ui: &mut Ui, report: &Report, state: &State, language: Language) -> Vec<Asked> {
+    let marks = timeline::marks(report);
+    let curves = [
+        timeline::speeds(report, language),
+        timeline::forces(report, language),
+    ];
+    let console = Console {
+        report,
+        marks: &marks,
+        curves: &curves,
+        state,
+        plays: true,
+        speed: 2,
+        magnification: 12.5,
+        quality: Quality::Medium,
+        panels: true,
+    };
+    console.show(ui, language)
+}
+
+#[test]
+fn a_replay_has_room_for_its_texts() {
+    let report = long_debrief().report;
+    let states = [
+        ("replay", state()),
+        ("replay that differs", differing()),
+        ("replay that is not open yet", State::default()),
+        (
+            "replay that broke off",
+            State {
+                failure: Some("session a.session: ".repeat(20)),
+                ..state()
+            },
+        ),
+    ];
+    for (what, state) in states {
+        for language in LANGUAGES {
+            for size in SIZES {
+                let found = texts(size, Vec::new(), |ui| {
+                    show(ui, &report, &state, language);
+                });
+                check(what, size, &found);
+                check_height(what, size, &found);
+            }
+        }
+    }
+}
+
+/// Whether it is the same stands there in words, in both languages.
+#[test]
+fn a_difference_is_on_the_screen() {
+    let report = long_debrief().report;
+    let all = |state: &State, language| {
+        let found = texts(SIZE, Vec::new(), |ui| {
+            show(ui, &report, state, language);
+        });
+        found
+            .into_iter()
+            .map(|(text, ..)| text + "\n")
+            .collect::<String>()
+    };
+    let same = all(&state(), Language::English);
+    assert!(
+        same.contains("the same so far: tick 19999 / 24999"),
+        "{same}"
+    );
+    assert!(!same.contains("Differs"), "{same}");
+    assert!(same.contains("computed at ×0.25"), "{same}");
+    let complete = State {
+        standing: Standing {
+            is_complete: true,
+            ..state().standing
+        },
+        ..state()
+    };
+    let complete = all(&complete, Language::German);
+    assert!(complete.contains("bis zum Ende gleich"), "{complete}");
+    for (language, words) in [
+        (Language::English, "Differs at tick 1234: message"),
+        (Language::German, "Weicht ab bei Tick 1234: message"),
+    ] {
+        let differs = all(&differing(), language);
+        assert!(differs.contains(words), "{differs}");
+        assert!(
+            !differs.contains("so far") && !differs.contains("bisher"),
+            "{differs}"
+        );
+    }
+}
+
+#[test]
+fn buttons_and_events_of_a_replay_are_clicked() {
+    let report = long_debrief().report;
+    let state = state();
+    let second = format!("10.0 s  {}", report.moments[1].text.en);
+    for (button, wanted) in [
+        ("Pause", Asked::PlayOrPause),
+        ("×¼", Asked::Speed(0)),
+        ("Back to the debrief (Esc)", Asked::Back),
+        ("Deutsch", Asked::Language),
+        (&second[..], Asked::GoTo(1250)),
+    ] {
+        let mut asked = Vec::new();
+        click_on(button, |ui| {
+            asked.extend(show(ui, &report, &state, Language::English));
+        });
+        assert_eq!(asked, [wanted], "{button}");
+    }
+}
+
+/// All that the player does has a key of its own.
+#[test]
+fn keys_of_a_replay() {
+    let keys = [
+        Key::Space,
+        Key::ArrowLeft,
+        Key::ArrowRight,
+        Key::ArrowUp,
+        Key::ArrowDown,
+        Key::Home,
+        Key::End,
+        Key::Num1,
+        Key::Num5,
+        Key::Escape,
+    ];
+    let asked: Vec<Asked> = keys.into_iter().filter_map(by_key).collect();
+    let expected = [
+        Asked::PlayOrPause,
+        Asked::Step(-1),
+        Asked::Step(1),
+        Asked::EventBefore,
+        Asked::EventAfter,
+        Asked::Begin,
+        Asked::End,
+        Asked::Speed(0),
+        Asked::Speed(4),
+        Asked::Back,
+    ];
+    assert_eq!(asked, expected);
+    for of_the_microscope in [Key::Plus, Key::Minus, Key::Num0, Key::I, Key::U, Key::F2] {
+        assert_eq!(by_key(of_the_microscope), None);
+    }
+}
+
+/// Its button, its key, and each event lead from a debrief to the replay.
+#[test]
+fn a_debrief_leads_to_the_replay() {
+    let debrief = long_debrief();
+    let mut next = None;
+    let mut show = |ui: &mut Ui| {
+        next = debrief::show(ui, &debrief, true, Language::English).or(next);
+    };
+    click_on("Replay (R)", &mut show);
+    assert_eq!(next.take(), Some(Next::Replay(0)));
+    let mut show = |ui: &mut Ui| {
+        next = debrief::show(ui, &debrief, true, Language::English).or(next);
+    };
+    let second = format!("10.0 s  {}", debrief.report.moments[1].text.en);
+    click_on(&second, &mut show);
+    assert_eq!(next.take(), Some(Next::Replay(1250)));
+    let mut show = |ui: &mut Ui| {
+        next = debrief::show(ui, &debrief, true, Language::English).or(next);
+    };
+    let key = Event::Key {
+        key: Key::R,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    texts(SIZE, vec![key], &mut show);
+    assert_eq!(next.take(), Some(Next::Replay(0)));
+}
