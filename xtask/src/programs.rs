@@ -81,6 +81,11 @@ pub const BENCHES: &[Program] = &[
         shows: "one-euro filters: delay against the tremor that they leave",
     },
     Program {
+        name: "pictures",
+        example: "bench_pictures",
+        shows: "the window: pictures in a second, delay of a motion by stage, by quality",
+    },
+    Program {
         name: "peers",
         example: "bench_peers",
         shows: "the reference beam in MuJoCo, Drake and pyPBD (from PyPI) and in ours",

@@ -6,7 +6,7 @@
 //! - `station`: what a station gives.
 //! - `live`: a run in a thread of its own, paced by the wall clock. The window takes the newest finished snapshot; nothing in the run depends on
 //!   whether and when it is drawn.
-//! - `pace`: how well it follows the wall clock, and how long motions take to the picture.
+//! - `pace`: how well it follows the wall clock, and how long motions take to the picture; `account`: what the log states of both.
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture.
@@ -23,6 +23,7 @@
 
 #![forbid(unsafe_code)]
 
+mod account;
 mod appearance;
 mod attempts;
 mod canvas;

@@ -1,5 +1,6 @@
 //! Training: the picture in the middle, the task to its left, the instruments to its right.
 
+use crate::account::Account;
 use crate::canvas::{Canvas, Subject};
 use crate::field::Field;
 use crate::hands::Hands;
@@ -44,6 +45,7 @@ pub struct Training {
     drawn: VecDeque<Instant>,
     /// From snapshots to their pictures.
     delays: Arc<Mutex<Times>>,
+    account: Account,
 }
 
 /// What the trainee or operator asked for, or what came of the run.
@@ -93,6 +95,7 @@ impl Training {
             canvas: Canvas::default(),
             drawn: VecDeque::new(),
             delays: Arc::default(),
+            account: Account::default(),
         })
     }
 
@@ -110,6 +113,8 @@ impl Training {
         if self.has_begun && ui.input(|input| input.key_pressed(Key::Escape)) {
             self.live.pause(!self.live.is_paused());
         }
+        let goes_on = self.has_begun && !self.live.is_paused();
+        self.account.go_on(goes_on, field.quality(), Instant::now());
         let newest = self.live.take();
         let is_new = newest.is_some();
         self.snapshot = newest.or(self.snapshot.take());
@@ -217,10 +222,12 @@ impl Training {
             is_new,
         };
         let waiting = text::STARTING.of(language);
+        let start = Instant::now();
         let (response, is_drawn) = self.canvas.show(ui, field, subject, waiting, language);
         if is_drawn {
             if let Some(snapshot) = self.snapshot.as_ref().filter(|_| is_new && self.has_begun) {
                 field.time(snapshot.finished, &self.delays);
+                field.time(start, self.account.add());
             }
             self.drawn.push_back(Instant::now());
             if self.drawn.len() > RATED {
@@ -284,6 +291,13 @@ impl Training {
             }
         });
         outcome
+    }
+}
+
+impl Drop for Training {
+    fn drop(&mut self) {
+        let ticks = self.snapshot.as_ref().map_or(0, |seen| seen.tick + 1);
+        self.account.log(ticks, &self.live.pace(), &self.delays);
     }
 }
 
