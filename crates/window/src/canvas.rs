@@ -69,13 +69,17 @@ impl Canvas {
                 let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
                 painter.image(picture, place, all, Color32::WHITE);
             }
-            None => write(
-                place.center(),
-                Align2::CENTER_CENTER,
-                17.0,
-                waiting,
-                look::TEXT,
-            ),
+            None => {
+                // A picture hides all that lies below it, and on a software driver each filling of so much costs more than the picture.
+                painter.rect_filled(place, 0.0, Color32::BLACK);
+                write(
+                    place.center(),
+                    Align2::CENTER_CENTER,
+                    17.0,
+                    waiting,
+                    look::TEXT,
+                );
+            }
         }
         if let Some(why) = &self.complaint {
             let why = format!("{}: {why}", text::NO_PICTURE.of(language));

@@ -69,6 +69,8 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
             .with_fullscreen(opening.settings.full_screen)
             .with_min_inner_size([1000.0, 640.0]),
         renderer: eframe::Renderer::Wgpu,
+        // Noise against bands in gradients, of which there are none, at every pixel: on a software driver as much work as a picture.
+        dithering: false,
         ..Default::default()
     };
     let create = |context: &eframe::CreationContext<'_>| {

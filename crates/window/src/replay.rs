@@ -119,7 +119,7 @@ impl Replay {
             true => text::NOTHING_RECORDED,
             false => text::RECORDING_IS_READ,
         };
-        let frame = egui::Frame::NONE.fill(egui::Color32::BLACK);
+        let frame = egui::Frame::NONE;
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
             let subject = Subject {
                 config: &self.config,

@@ -128,7 +128,7 @@ impl Training {
             self.show_instruments(ui, field.quality(), language);
         }
         let shown = egui::CentralPanel::default()
-            .frame(egui::Frame::NONE.fill(egui::Color32::BLACK))
+            .frame(egui::Frame::NONE)
             .show(ui, |ui| self.show_picture(ui, field, is_new, language));
         let picture = shown.inner;
         if !self.has_begun {
