@@ -1,10 +1,11 @@
 //! The place of the picture on a screen: the field as it was drawn last, or why there is none.
 
+use crate::blit::Shown;
 use crate::field::Field;
 use crate::live::Snapshot;
 use crate::look;
 use crate::text;
-use eframe::egui::{self, Align2, Color32, FontId, Rect, Response, Sense, TextureId, Ui};
+use eframe::egui::{Align2, Color32, FontId, Response, Sense, Ui};
 use microsim_render::Models;
 use microsim_settings::RendererConfig;
 use microsim_vocabulary::Language;
@@ -24,7 +25,7 @@ pub struct Subject<'a> {
 /// The picture, and what is wrong with it.
 #[derive(Debug, Default)]
 pub struct Canvas {
-    picture: Option<TextureId>,
+    picture: Option<Shown>,
     complaint: Option<String>,
 }
 
@@ -64,10 +65,9 @@ impl Canvas {
         let write = |at, align, size, text: &str, colour| {
             painter.text(at, align, text, FontId::proportional(size), colour);
         };
-        match self.picture {
+        match &self.picture {
             Some(picture) => {
-                let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-                painter.image(picture, place, all, Color32::WHITE);
+                painter.add(picture.at(place));
             }
             None => {
                 // A picture hides all that lies below it, and on a software driver each filling of so much costs more than the picture.

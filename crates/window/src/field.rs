@@ -1,8 +1,9 @@
-//! The field of the microscope: snapshots drawn into a texture that egui shows.
+//! The field of the microscope: snapshots drawn into a texture that the window shows.
 
+use crate::blit::{Blitter, Shown};
 use crate::live::Snapshot;
 use crate::pace::Times;
-use eframe::egui::{Rect, TextureId};
+use eframe::egui::Rect;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use microsim_gpu::Gpu;
@@ -20,8 +21,9 @@ const LEAST_SIDE: u32 = 64;
 pub struct Field {
     state: RenderState,
     renderer: Renderer,
-    /// Where the picture is for egui, with its texture, which is another one after a change of size or quality.
-    shown: Option<(TextureId, wgpu::Texture)>,
+    blitter: Blitter,
+    /// The picture, with its texture, which is another one after a change of size or quality.
+    shown: Option<(Shown, wgpu::Texture)>,
     /// Whether this machine's quality was measured, or another one was chosen.
     has_measured: bool,
     stereo: Stereo,
@@ -44,6 +46,7 @@ impl Field {
         Ok(Self {
             state: state.clone(),
             renderer,
+            blitter: Blitter::new(&state.device, state.target_format),
             shown: None,
             has_measured: false,
             stereo: Stereo::default(),
@@ -113,7 +116,7 @@ impl Field {
         models: &mut Models,
         snapshot: &Snapshot,
         size: [u32; 2],
-    ) -> Result<TextureId, String> {
+    ) -> Result<Shown, String> {
         let [width, height] = size.map(|side| side.max(LEAST_SIDE));
         let mut picture = Picture {
             width,
@@ -132,32 +135,19 @@ impl Field {
             self.has_measured = true;
         }
         self.renderer.render(&picture).map_err(|e| e.to_string())?;
-        self.texture()
+        self.shown()
     }
 
-    fn texture(&mut self) -> Result<TextureId, String> {
+    fn shown(&mut self) -> Result<Shown, String> {
         let texture = self.renderer.texture().ok_or("nothing was drawn")?;
-        if let Some((id, shown)) = &self.shown
-            && shown == texture
+        if let Some((shown, of)) = &self.shown
+            && of == texture
         {
-            return Ok(*id);
+            return Ok(shown.clone());
         }
-        // egui blends encoded colours.
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            format: Some(wgpu::TextureFormat::Rgba8Unorm),
-            ..Default::default()
-        });
-        let mut egui = self.state.renderer.write();
-        let (device, filter) = (&self.state.device, wgpu::FilterMode::Linear);
-        let id = match self.shown {
-            Some((id, _)) => {
-                egui.update_egui_texture_from_wgpu_texture(device, &view, filter, id);
-                id
-            }
-            None => egui.register_native_texture(device, &view, filter),
-        };
-        self.shown = Some((id, texture.clone()));
-        Ok(id)
+        let shown = self.blitter.shown(&self.state.device, texture);
+        self.shown = Some((shown.clone(), texture.clone()));
+        Ok(shown)
     }
 }
 

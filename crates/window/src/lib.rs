@@ -9,7 +9,7 @@
 //! - `pace`: how well it follows the wall clock, and how long motions take to the picture; `account`: what the log states of both.
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `scope`: the microscope, by keys.
-//! - `field`: the picture, drawn by the crate `render` into a texture.
+//! - `field`: the picture, drawn by the crate `render` into a texture that `blit` copies into the window.
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
 //! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
 //!   with the states `nearby` in memory.
@@ -26,6 +26,7 @@
 mod account;
 mod appearance;
 mod attempts;
+mod blit;
 mod canvas;
 mod console;
 mod courses;
