@@ -10,6 +10,7 @@ use crate::records::{self, Records};
 use crate::replay::{self, Replay};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
 use crate::text;
+use crate::threads;
 use crate::training::{Outcome, Training};
 use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, Key, RichText, Ui};
@@ -60,6 +61,10 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
         return Err(WindowError(
             "there is no display (DISPLAY is not set)".into(),
         ));
+    }
+    // Without it ticks are late more often, that is all.
+    if let Err(error) = threads::give_way() {
+        tracing::warn!("drawing does not give way to computing: {error}");
     }
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()

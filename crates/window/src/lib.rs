@@ -6,6 +6,7 @@
 //! - `station`: what a station gives.
 //! - `live`: a run in a thread of its own, paced by the wall clock. The window takes the newest finished snapshot; nothing in the run depends on
 //!   whether and when it is drawn.
+//! - `threads`: computing goes before drawing.
 //! - `pace`: how well it follows the wall clock, and how long motions take to the picture; `account`: what the log states of both.
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `scope`: the microscope, by keys.
@@ -53,6 +54,7 @@ mod station;
 #[cfg(test)]
 mod tests;
 mod text;
+mod threads;
 mod timeline;
 mod training;
 mod upkeep;

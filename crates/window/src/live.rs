@@ -4,6 +4,7 @@
 use crate::ledger::Debrief;
 use crate::pace::Pace;
 use crate::station::LiveSession;
+use crate::threads;
 use microsim_bus::{Block, BlockView, Frames, kind_id};
 use microsim_host::playback::{Messages, Moment};
 use microsim_host::run::{Operator, Seen};
@@ -124,9 +125,7 @@ impl Live {
             wake();
             ended
         };
-        let thread = std::thread::Builder::new().name("simulation".into());
-        let thread = thread
-            .spawn(run)
+        let thread = threads::start("simulation", run)
             .map_err(|e| format!("no thread for the simulation: {e}"))?;
         Ok(Self {
             exchange,
