@@ -270,7 +270,7 @@ impl Station for AtThisPlace {
     fn store_settings(&self, settings: &WindowSettings) -> Result<PathBuf, String> {
         if self.place.config.is_some() {
             return Err(format!(
-                "not stored: with --config no {FILE} of this station counts"
+                "the window was opened with --config, which ignores settings of this station ({FILE})"
             ));
         }
         let folder = Folders::of(&self.place)?.config;

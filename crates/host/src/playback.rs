@@ -23,6 +23,7 @@ use microsim_session::Reader;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, SeekFrom};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Ticks from one that is found in the file at once to the next.
 const INDEXED: u64 = 64;
@@ -38,6 +39,8 @@ pub struct PlaybackOptions<'a> {
     pub shown: &'a [&'a str],
     /// Most memory for checkpoints \[byte\]; the first and the newest one are there in any case.
     pub memory: usize,
+    /// Set from elsewhere while the session is read: it is not played after all.
+    pub stop: &'a AtomicBool,
 }
 
 /// The latest message of each kind that is shown, stamped, by the id of the kind.
@@ -63,6 +66,8 @@ pub struct Standing {
     pub difference: Option<Difference>,
     /// Whether all ticks, and what stands behind them, are compared.
     pub is_complete: bool,
+    /// Why the ticks may not be all that were computed when it was recorded: the file is torn or damaged, or was cut while it is played.
+    pub complaint: Option<String>,
 }
 
 /// A checkpoint with what was shown then.
@@ -93,6 +98,8 @@ pub struct Playback<R> {
     engine: Option<Engine>,
     /// Whether the engine is beyond the last tick, where no tick can follow.
     is_beyond: bool,
+    /// Whether the file was cut while it is played: what stands behind its ticks does not belong to the last one.
+    is_cut: bool,
     messages: Messages,
     checkpoints: Vec<Saved>,
     memory: usize,
@@ -105,7 +112,7 @@ impl<R: Read + Seek> Playback<R> {
     /// Reads a session to its end and prepares what computes it. `locate` gives the installed plugin for a recorded one: library, manifest text and digest.
     ///
     /// # Errors
-    /// What keeps the session from being read or computed.
+    /// What keeps the session from being read or computed; that it was stopped.
     pub fn open(
         source: R,
         options: &PlaybackOptions<'_>,
@@ -128,6 +135,9 @@ impl<R: Read + Seek> Playback<R> {
                 places.push((tick, reader.place()));
             }
             end = end.max(tick.saturating_add(1));
+            if options.stop.load(Ordering::Relaxed) {
+                return Err(RunError::Host("stopped while the session was read".into()));
+            }
         }
         let (session, source) = reader.into_parts();
         let mut playback = Self {
@@ -140,12 +150,14 @@ impl<R: Read + Seek> Playback<R> {
             tick: first,
             engine: Some(engine),
             is_beyond: false,
+            is_cut: false,
             messages: Messages::new(),
             checkpoints: Vec::new(),
             memory: options.memory,
             spacing: (SPACING_NS / plan.tick_ns.max(1)).max(1),
             standing: Standing {
                 compared: first,
+                complaint: session.complaint.clone(),
                 ..Standing::default()
             },
             plan,
@@ -206,8 +218,12 @@ impl<R: Read + Seek> Playback<R> {
         }
         let recorded = self.next_record()?;
         let (Some(engine), Some((tick, recorded))) = (&mut self.engine, recorded) else {
-            // The file was cut while it is played.
             self.end = self.tick;
+            self.is_cut = true;
+            let tick = self.tick;
+            self.standing.complaint = Some(format!(
+                "the file was cut while it is played: tick {tick} is not there any more"
+            ));
             return Ok(None);
         };
         let computed = match recompute_tick(engine, tick, &recorded) {
@@ -305,7 +321,8 @@ impl<R: Read + Seek> Playback<R> {
             return;
         };
         let is_at_end = engine.tick_index() == self.end && self.standing.compared == self.end;
-        if self.standing.is_complete || self.standing.difference.is_some() || !is_at_end {
+        let has_found = self.standing.is_complete || self.standing.difference.is_some();
+        if has_found || self.is_cut || !is_at_end {
             return;
         }
         let found = recompute_end(engine, &self.session);

@@ -114,12 +114,13 @@ impl Appearance {
                 ui.add_space(6.0);
             });
         let before = *settings;
+        let mut is_chosen = false;
         egui::CentralPanel::default().show(ui, |ui| {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                show_settings(ui, settings, language);
+                is_chosen = show_settings(ui, settings, language);
             });
         });
-        if *settings != before {
+        if is_chosen || *settings != before {
             self.message = None;
             wanted = wanted.or(Some(Wanted::Changed));
         }
@@ -127,7 +128,21 @@ impl Appearance {
     }
 }
 
-fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language) {
+/// Whether other settings of the picture hold, so that it is prepared anew. What is measured of the machine is measured once, and a quality that was
+/// chosen by a key stays.
+pub fn changes_picture(before: &WindowSettings, after: &WindowSettings) -> bool {
+    let other_than_picture = WindowSettings {
+        language: after.language,
+        panels: after.panels,
+        full_screen: after.full_screen,
+        ..*before
+    };
+    other_than_picture != *after
+}
+
+/// Shows the rows; whether a language was chosen, which may be the one that is set and not the one that is shown.
+fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language) -> bool {
+    let mut is_chosen = false;
     row(ui, text::LANGUAGE_OF_TEXTS, language, |ui| {
         for (of, name) in [
             (Language::German, "Deutsch"),
@@ -135,6 +150,7 @@ fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language)
         ] {
             if ui.add(Button::selectable(language == of, name)).clicked() {
                 settings.language = Some(of);
+                is_chosen = true;
             }
         }
     });
@@ -180,4 +196,5 @@ fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language)
     row(ui, text::PANELS, language, |ui| {
         ui.checkbox(&mut settings.panels, "F3");
     });
+    is_chosen
 }

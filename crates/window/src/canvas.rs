@@ -26,13 +26,20 @@ pub struct Subject<'a> {
 #[derive(Debug, Default)]
 pub struct Canvas {
     picture: Option<Shown>,
+    /// Width and height with which it was drawn \[pixels\], unless it is to be drawn again.
+    drawn: Option<[u32; 2]>,
     complaint: Option<String>,
 }
 
 impl Canvas {
     /// Has the picture drawn again, whether or not anything moves.
     pub fn redraw(&mut self) {
-        self.picture = None;
+        (self.picture, self.drawn) = (None, None);
+    }
+
+    /// Whether the picture is there as large as it is shown: stretched it would not be the field.
+    fn fits(&self, size: [u32; 2]) -> bool {
+        self.drawn == Some(size)
     }
 
     /// Shows it in all of the room that there is; `waiting` before there is a picture. Whether the newest state was drawn now.
@@ -49,11 +56,11 @@ impl Canvas {
         let size = [place.width(), place.height()].map(|side| (side * scale).round() as u32);
         let mut is_drawn = false;
         if let Some(snapshot) = subject.snapshot
-            && (subject.is_new || self.picture.is_none())
+            && (subject.is_new || !self.fits(size))
         {
             match field.draw(subject.config, subject.models, snapshot, size) {
                 Ok(picture) => {
-                    self.picture = Some(picture);
+                    (self.picture, self.drawn) = (Some(picture), Some(size));
                     self.complaint = None;
                     is_drawn = true;
                 }
@@ -92,5 +99,20 @@ impl Canvas {
             );
         }
         (response, is_drawn)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_drawn_again_where_its_place_has_another_size() {
+        let mut canvas = Canvas::default();
+        assert!(!canvas.fits([800, 600]));
+        canvas.drawn = Some([800, 600]);
+        assert!(canvas.fits([800, 600]) && !canvas.fits([800, 500]));
+        canvas.redraw();
+        assert!(!canvas.fits([800, 600]));
     }
 }

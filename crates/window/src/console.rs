@@ -189,28 +189,41 @@ impl Console<'_> {
     fn show_standing(&self, ui: &mut Ui, language: Language) {
         let state = self.state;
         let standing = &state.standing;
-        let words = |phrase: Phrase, rest: String, colour| {
+        let words = |phrase: Phrase, rest: &str, colour| {
             RichText::new(format!("{} {rest}", phrase.of(language))).color(colour)
         };
-        let line = match (&state.failure, &standing.difference) {
-            (Some(why), _) => words(text::REPLAY_ENDED, why.clone(), look::BAD),
-            (None, Some(found)) => {
-                let note = text::NOT_AS_RECORDED.of(language);
-                let rest = format!("{}: {}. {note}", found.tick, found.what);
-                words(text::DIFFERS_AT, rest, look::BAD)
+        let mut lines = Vec::new();
+        if let Some(why) = &state.failure {
+            lines.push(words(text::REPLAY_ENDED, why, look::BAD));
+        }
+        let has_compared = standing.compared > state.range.start;
+        let is_at_end =
+            standing.is_complete || (has_compared && standing.compared >= state.range.end);
+        if let Some(found) = &standing.difference {
+            let mut note = text::NOT_AS_RECORDED.of(language).to_owned();
+            if !state.rebuilt.is_empty() {
+                let (of, names) = (text::OTHER_BUILD.of(language), state.rebuilt.join(", "));
+                note = format!("{note} ({of} {names})");
             }
-            (None, None) if standing.is_complete => {
-                words(text::SAME_TO_THE_END, String::new(), look::GOOD)
-            }
-            (None, None) if state.is_open => {
-                let last = standing.compared.saturating_sub(1).max(state.range.start);
-                let end = state.range.end.saturating_sub(1);
-                words(text::SAME_SO_FAR, format!("{last} / {end}"), look::GOOD)
-            }
-            (None, None) => RichText::new(text::RECORDING_IS_READ.of(language)).color(look::QUIET),
-        };
-        // What differs may take a message to state: it is whole under the pointer.
-        ui.add(Label::new(line).truncate());
+            // What it means comes first: what differs may take a message to state.
+            let rest = format!("{}. {note}: {}", found.tick, found.what);
+            lines.push(words(text::DIFFERS_AT, &rest, look::BAD));
+        } else if state.failure.is_none() {
+            lines.push(match &standing.complaint {
+                _ if !state.is_open => words(text::RECORDING_IS_READ, "", look::QUIET),
+                Some(why) if is_at_end => words(text::SAME_AS_FAR, why, look::BAD),
+                None if standing.is_complete => words(text::SAME_TO_THE_END, "", look::GOOD),
+                _ if has_compared => {
+                    let (last, end) = (standing.compared - 1, state.range.end.saturating_sub(1));
+                    words(text::SAME_SO_FAR, &format!("{last} / {end}"), look::GOOD)
+                }
+                _ => words(text::NOTHING_COMPARED, "", look::QUIET),
+            });
+        }
+        for line in lines {
+            // It is whole under the pointer.
+            ui.add(Label::new(line).truncate());
+        }
     }
 
     fn show_controls(&self, ui: &mut Ui, language: Language, asked: &mut Vec<Asked>) {
@@ -220,10 +233,10 @@ impl Console<'_> {
                     asked.push(wanted);
                 }
             };
-            button(ui, Sign::Begin, text::TO_THE_BEGIN, Asked::Begin);
+            button(ui, Sign::Begin, text::TO_THE_BEGINNING, Asked::Begin);
             button(ui, Sign::Before, text::EVENT_BEFORE, Asked::EventBefore);
             button(ui, Sign::Back, text::ONE_BACK, Asked::Step(-1));
-            button(ui, Sign::Forth, text::ONE_FORTH, Asked::Step(1));
+            button(ui, Sign::Forth, text::ONE_FORWARD, Asked::Step(1));
             button(ui, Sign::After, text::EVENT_AFTER, Asked::EventAfter);
             button(ui, Sign::End, text::TO_THE_END, Asked::End);
             let play = match self.plays {

@@ -17,6 +17,7 @@ use eframe::egui::{self, Key, RichText, Ui};
 use microsim_settings::WindowSettings;
 use microsim_vocabulary::Language;
 use std::fmt;
+use std::thread::JoinHandle;
 
 /// With what the window opens.
 #[derive(Clone, Debug)]
@@ -111,6 +112,8 @@ struct Desk {
     /// Work on the store goes on while other screens are shown.
     upkeep: Upkeep,
     screen: Screen,
+    /// The thread of the replay that was left last: it may compute still.
+    left: Option<JoinHandle<()>>,
 }
 
 impl Desk {
@@ -127,7 +130,12 @@ impl Desk {
         let mut desk = Self {
             trainees: station.trainees(),
             language: opening.language,
-            settings: opening.settings,
+            // What is stored is what is shown.
+            settings: WindowSettings {
+                language: Some(opening.language),
+                ..opening.settings
+            },
+            left: None,
             launcher: Launcher::default(),
             upkeep: Upkeep::default(),
             screen: Screen::Launcher,
@@ -168,6 +176,7 @@ impl Desk {
     fn begin(&mut self, choice: Choice, context: &egui::Context) {
         // What ran before has to be closed, so that two runs never compute at once.
         self.screen = Screen::Launcher;
+        self.wait_for_left();
         let begun = match self.entries(&choice) {
             None => Err(format!(
                 "there is no level {} of {}",
@@ -181,6 +190,14 @@ impl Desk {
             Ok(training) => Screen::Training(Box::new(training)),
             Err(why) => Screen::Complaint(why),
         };
+    }
+
+    /// Until nothing is computed any more of the replay that was left.
+    fn wait_for_left(&mut self) {
+        if let Some(left) = self.left.take() {
+            // A panic was stated where the replay was shown.
+            let _ = left.join();
+        }
     }
 
     /// The level of a session, for whoever trains now.
@@ -201,6 +218,7 @@ impl Desk {
         tick: u64,
         context: &egui::Context,
     ) {
+        self.wait_for_left();
         let begun = match self.station.replay(&debrief.session) {
             Ok(recording) => Replay::begin(debrief, recording, tick, context),
             Err(why) => Err((debrief, why)),
@@ -228,7 +246,9 @@ impl Desk {
             Some(replay::Outcome::Back) => {
                 let shown = std::mem::replace(&mut self.screen, Screen::Launcher);
                 if let Screen::Replay(replay, choice) = shown {
-                    self.screen = Screen::Debrief(replay.debrief, choice);
+                    let (debrief, left) = replay.leave();
+                    self.left = left;
+                    self.screen = Screen::Debrief(debrief, choice);
                 }
                 ui.ctx().request_repaint();
             }
@@ -276,7 +296,10 @@ impl Desk {
                         let stored_in = text::STORED_IN.of(self.language);
                         (format!("{stored_in} {}", file.display()), false)
                     }
-                    Err(why) => (why, true),
+                    Err(why) => {
+                        let not_stored = text::NOT_STORED.of(self.language);
+                        (format!("{not_stored} {why}"), true)
+                    }
                 });
             }
             Some(appearance::Wanted::Back) => self.screen = Screen::Launcher,
@@ -288,16 +311,8 @@ impl Desk {
         if settings.full_screen != self.settings.full_screen {
             ui.send_viewport_cmd(egui::ViewportCommand::Fullscreen(settings.full_screen));
         }
-        if settings.language != self.settings.language {
-            self.language = settings.language.unwrap_or(self.language);
-        }
-        let of_panels = WindowSettings {
-            panels: settings.panels,
-            full_screen: settings.full_screen,
-            ..self.settings
-        };
-        // What is measured of the machine is measured once.
-        if of_panels != settings {
+        self.language = settings.language.unwrap_or(self.language);
+        if appearance::changes_picture(&self.settings, &settings) {
             self.field.set(&settings);
         }
         self.settings = settings;

@@ -6,6 +6,7 @@ use crate::nearby::Nearby;
 use crate::station::{Computation, Recording};
 use microsim_host::playback::Standing;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -45,6 +46,8 @@ pub struct State {
     pub working: Option<(u64, f64)>,
     /// What the comparison shows.
     pub standing: Standing,
+    /// Plugins whose library is not the one that made the recording.
+    pub rebuilt: Vec<String>,
     /// Simulated time by the wall clock, measured over the last second of playing.
     pub rate: Option<f64>,
     /// Why it ended.
@@ -57,6 +60,8 @@ struct Exchange {
     wish: Mutex<Wish>,
     /// The viewer asked for something.
     asked: Condvar,
+    /// Nobody looks at it any more, not even at its beginning.
+    is_left: AtomicBool,
     state: Mutex<State>,
     latest: Mutex<Option<Snapshot>>,
 }
@@ -69,7 +74,24 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// A session that is played.
 pub struct Player {
     exchange: Arc<Exchange>,
-    thread: JoinHandle<()>,
+    /// There until it is left.
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Wakes the window when the thread ends, and states why if it panicked.
+struct Ending<'a, F: Fn()> {
+    exchange: &'a Exchange,
+    wake: &'a F,
+}
+
+impl<F: Fn()> Drop for Ending<'_, F> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let mut state = lock(&self.exchange.state);
+            state.failure = Some("the replay panicked: a bug of MicroSim".into());
+        }
+        (self.wake)();
+    }
 }
 
 impl Player {
@@ -92,8 +114,12 @@ impl Player {
         });
         let seat = Arc::clone(&exchange);
         let play = move || {
+            let ending = Ending {
+                exchange: &seat,
+                wake: &wake,
+            };
             let tick_s = recording.tick();
-            let ended = recording.open().and_then(|computation| {
+            let ended = recording.open(&seat.is_left).and_then(|computation| {
                 let mut player = Seat {
                     exchange: &seat,
                     computation,
@@ -108,13 +134,21 @@ impl Player {
             if let Err(why) = ended {
                 lock(&seat.state).failure = Some(why);
             }
-            wake();
+            drop(ending);
         };
         let thread = std::thread::Builder::new().name("replay".into());
         let thread = thread
             .spawn(play)
             .map_err(|e| format!("no thread for the replay: {e}"))?;
-        Ok(Self { exchange, thread })
+        Ok(Self {
+            exchange,
+            thread: Some(thread),
+        })
+    }
+
+    /// Leaves it; its thread, which ends after what it computes now.
+    pub fn leave(mut self) -> Option<JoinHandle<()>> {
+        self.thread.take()
     }
 
     /// The state that is to be shown, if it was not taken yet.
@@ -124,13 +158,7 @@ impl Player {
 
     /// How far it is.
     pub fn state(&self) -> State {
-        // First, so that a reason that comes meanwhile is not missed.
-        let has_ended = self.thread.is_finished();
-        let mut state = lock(&self.exchange.state).clone();
-        if has_ended && state.failure.is_none() {
-            state.failure = Some("the replay panicked: a bug of MicroSim".into());
-        }
-        state
+        lock(&self.exchange.state).clone()
     }
 
     /// The tick that is to be shown.
@@ -157,7 +185,9 @@ impl Player {
     /// Plays, or pauses. At the end it plays from the beginning.
     pub fn play(&self, plays: bool) {
         self.ask(|wish, range| {
-            let is_at_end = wish.goal.is_some_and(|goal| goal + 1 >= range.end);
+            let is_at_end = wish
+                .goal
+                .is_some_and(|goal| goal.saturating_add(1) >= range.end);
             if plays && is_at_end && !range.is_empty() {
                 wish.goal = Some(range.start);
             }
@@ -195,8 +225,9 @@ fn clamped(tick: u64, range: &Range<u64>) -> u64 {
 }
 
 impl Drop for Player {
-    /// Its thread ends by itself after what it computes now: preparing tissue may take seconds, and nothing waits for what nobody looks at.
+    /// Its thread ends by itself after what it computes now: preparing tissue may take seconds.
     fn drop(&mut self) {
+        self.exchange.is_left.store(true, Ordering::Relaxed);
         self.ask(|wish, _| wish.ends = true);
     }
 }
@@ -229,7 +260,8 @@ struct Pace {
 
 impl Seat<'_> {
     fn play(&mut self) -> Result<(), String> {
-        self.publish(|_| ());
+        let rebuilt = self.computation.rebuilt();
+        self.publish(|state| state.rebuilt = rebuilt);
         let mut pace: Option<Pace> = None;
         loop {
             let wish = lock(&self.exchange.wish).clone();
@@ -238,8 +270,17 @@ impl Seat<'_> {
             }
             let range = self.computation.range();
             let shown = lock(&self.exchange.state).shown;
-            let goal = wish.goal.map(|goal| clamped(goal, &range));
-            let goal = goal.filter(|_| !range.is_empty());
+            let goal = wish.goal.filter(|_| !range.is_empty());
+            if let Some(goal) = goal
+                && clamped(goal, &range) != goal
+            {
+                // For both sides: what plays on compares with it.
+                let mut wish = lock(&self.exchange.wish);
+                if wish.goal == Some(goal) {
+                    wish.goal = Some(clamped(goal, &range));
+                }
+                continue;
+            }
             match goal {
                 Some(goal) if shown != Some(goal) => {
                     pace = None;
@@ -258,6 +299,7 @@ impl Seat<'_> {
                     pace = None;
                     self.end(goal)?;
                 }
+                None if range.is_empty() && !self.has_compared_end => self.compare_end()?,
                 _ => {
                     pace = None;
                     self.wait(&wish, None);
@@ -273,6 +315,8 @@ impl Seat<'_> {
         state.range = self.computation.range();
         state.standing = self.computation.standing();
         change(&mut state);
+        let range = state.range.clone();
+        state.working = state.working.filter(|(goal, _)| range.contains(goal));
         drop(state);
         (self.wake)();
     }
@@ -296,14 +340,25 @@ impl Seat<'_> {
         if self.show(goal) {
             return Ok(());
         }
+        self.work_towards(goal)?;
+        self.show(goal);
+        Ok(())
+    }
+
+    /// Computes one tick more of those that lead to one, and publishes how far it is.
+    fn work_towards(&mut self, goal: u64) -> Result<(), String> {
         if self.work.as_ref().is_none_or(|work| work.goal != goal) {
+            // Restoring a state takes a moment, too.
+            if self.computation.tick() != goal {
+                self.publish(|state| state.working = Some((goal, 0.0)));
+            }
             self.computation.seek(goal)?;
             let from = self.computation.tick();
             self.work = Some(Towards { goal, from });
         }
         let from = self.work.as_ref().map_or(goal, |work| work.from);
         self.compute(goal, goal)?;
-        if !self.show(goal) {
+        if self.computation.tick() <= goal {
             let done = self.computation.tick().saturating_sub(from) as f64;
             let part = (done / (goal + 1 - from.min(goal)) as f64).min(1.0);
             self.publish(|state| state.working = Some((goal, part)));
@@ -362,20 +417,25 @@ impl Seat<'_> {
         Ok(())
     }
 
-    /// Behind the last tick: what stands there is compared as well, and it pauses.
+    /// Behind the last tick, which is shown: what stands there is compared as well, and it pauses. Where what computes stands before it, this is one tick more.
     fn end(&mut self, last: u64) -> Result<(), String> {
-        self.computation.seek(last + 1)?;
-        while self.computation.tick() <= last {
-            if self.computation.step()?.is_none() || lock(&self.exchange.wish).ends {
-                break;
-            }
+        if !self.has_compared_end && self.computation.tick() <= last {
+            return self.work_towards(last);
         }
-        self.computation.step()?;
-        self.has_compared_end = true;
         let mut wish = lock(&self.exchange.wish);
         wish.plays &= wish.goal != Some(last);
         drop(wish);
-        self.publish(|_| ());
+        self.compare_end()
+    }
+
+    /// Compares what stands behind all ticks.
+    fn compare_end(&mut self) -> Result<(), String> {
+        if !self.has_compared_end {
+            self.computation.step()?;
+            self.has_compared_end = true;
+        }
+        self.work = None;
+        self.publish(|state| state.working = None);
         Ok(())
     }
 }

@@ -5,16 +5,17 @@ use crate::console::{Asked, Console, by_key};
 use crate::field::Field;
 use crate::ledger::Debrief;
 use crate::live::Snapshot;
-use crate::player::Player;
+use crate::player::{Player, State};
 use crate::plot::Curve;
 use crate::scope::Scope;
 use crate::station::Recording;
-use crate::text;
+use crate::text::{self, Phrase};
 use crate::timeline::{self, Mark};
 use eframe::egui::{self, Event, Key, Ui};
 use microsim_render::Models;
 use microsim_settings::RendererConfig;
 use microsim_vocabulary::Language;
+use std::thread::JoinHandle;
 
 /// A notch of the wheel multiplies the magnification with this.
 const WHEEL: f64 = 1.1;
@@ -43,6 +44,15 @@ pub enum Outcome {
     Back,
     /// The other language.
     Language,
+}
+
+/// What stands where no picture is yet. After a failure nothing is waited for.
+pub fn waiting(state: &State) -> Option<Phrase> {
+    match (&state.failure, state.is_open && state.range.is_empty()) {
+        (Some(_), _) => None,
+        (None, true) => Some(text::NOTHING_RECORDED),
+        (None, false) => Some(text::RECORDING_IS_READ),
+    }
 }
 
 impl Replay {
@@ -82,6 +92,11 @@ impl Replay {
         })
     }
 
+    /// Leaves it: what came of the session, and the thread that computed it, which ends soon.
+    pub fn leave(self) -> (Box<Debrief>, Option<JoinHandle<()>>) {
+        (self.debrief, self.player.leave())
+    }
+
     /// Shows it, and does what is asked for.
     pub fn show(
         &mut self,
@@ -115,10 +130,7 @@ impl Replay {
             panels,
         };
         asked.extend(console.show(ui, language));
-        let waiting = match state.is_open && state.range.is_empty() {
-            true => text::NOTHING_RECORDED,
-            false => text::RECORDING_IS_READ,
-        };
+        let waiting = waiting(&state).map_or("", |waiting| waiting.of(language));
         let frame = egui::Frame::NONE;
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
             let subject = Subject {
@@ -127,7 +139,6 @@ impl Replay {
                 snapshot: self.snapshot.as_ref(),
                 is_new,
             };
-            let waiting = waiting.of(language);
             let (response, _) = self.canvas.show(ui, field, subject, waiting, language);
             let eye = field.eye(response.rect);
             self.set_scope(ui, &response, eye);

@@ -118,11 +118,11 @@ pub trait Recording: Send {
     /// Length of a tick \[s\].
     fn tick(&self) -> f64;
 
-    /// Reads it and prepares what computes it, in the thread that does.
+    /// Reads it and prepares what computes it, in the thread that does, unless the viewer has left.
     ///
     /// # Errors
-    /// Why it cannot be computed.
-    fn open(self: Box<Self>) -> Result<Box<dyn Computation>, String>;
+    /// Why it cannot be computed, or that it was left.
+    fn open(self: Box<Self>, is_left: &AtomicBool) -> Result<Box<dyn Computation>, String>;
 }
 
 /// What computes a recorded session again, as [`Playback`] does.
@@ -135,6 +135,9 @@ pub trait Computation {
 
     /// What the comparison with the recording shows so far.
     fn standing(&self) -> Standing;
+
+    /// Plugins whose library is not the one that made the recording.
+    fn rebuilt(&self) -> Vec<String>;
 
     /// Goes to the nearest place from which a tick can be computed.
     ///
@@ -161,6 +164,10 @@ impl<R: Read + Seek> Computation for Playback<R> {
 
     fn standing(&self) -> Standing {
         Self::standing(self).clone()
+    }
+
+    fn rebuilt(&self) -> Vec<String> {
+        Self::rebuilt(self).to_vec()
     }
 
     fn seek(&mut self, tick: u64) -> Result<(), String> {

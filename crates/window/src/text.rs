@@ -126,10 +126,10 @@ phrases! {
     TO_THE_DEBRIEF: "Zur Auswertung (Esc)", "Back to the debrief (Esc)";
     PLAY: "Abspielen", "Play";
     PAUSE: "Pause", "Pause";
-    TO_THE_BEGIN: "zum Anfang (Pos1)", "to the begin (Home)";
+    TO_THE_BEGINNING: "zum Anfang (Pos1)", "to the beginning (Home)";
     TO_THE_END: "zum Ende (Ende)", "to the end (End)";
     ONE_BACK: "einen Tick zurück (Pfeil links)", "one tick back (left arrow)";
-    ONE_FORTH: "einen Tick vor (Pfeil rechts)", "one tick forth (right arrow)";
+    ONE_FORWARD: "einen Tick vor (Pfeil rechts)", "one tick forward (right arrow)";
     EVENT_BEFORE: "zum Ereignis davor (Pfeil auf)", "to the event before (arrow up)";
     EVENT_AFTER: "zum nächsten Ereignis (Pfeil ab)", "to the next event (arrow down)";
     COMPUTED_WITH: "gerechnet mit", "computed at";
@@ -138,6 +138,9 @@ phrases! {
     NOTHING_RECORDED: "Die Aufzeichnung hat keinen Tick", "The session has no tick";
     SAME_SO_FAR: "Neu gerechnet, bisher gleich: Tick", "Computed again, the same so far: tick";
     SAME_TO_THE_END: "Neu gerechnet, bis zum Ende gleich", "Computed again, the same to the end";
+    SAME_AS_FAR: "Neu gerechnet, gleich, soweit sie gelesen werden kann:", "Computed again, the same, as far as it can be read:";
+    NOTHING_COMPARED: "Noch ist kein Tick verglichen", "No tick is compared yet";
+    OTHER_BUILD: "Plugins eines anderen Builds:", "plugins of another build:";
     DIFFERS_AT: "Weicht ab bei Tick", "Differs at tick";
     NOT_AS_RECORDED: "Was von dort an zu sehen ist, wurde so nicht aufgezeichnet", "What is shown from there on is not what was recorded";
     REPLAY_ENDED: "Die Wiedergabe ist abgebrochen:", "The replay broke off:";
@@ -145,7 +148,7 @@ phrases! {
 
     SETTINGS: "Einstellungen", "Settings";
     LANGUAGE_OF_TEXTS: "Sprache", "Language";
-    AUTOMATIC: "selbsttätig", "automatic";
+    AUTOMATIC: "automatisch", "automatic";
     DEPTH_OF_FIELD: "Schärfentiefe", "Depth of field";
     IF_HIGH: "bei hoher Bildgüte", "where the quality is high";
     STEREO: "Stereobild", "Stereo picture";
@@ -156,10 +159,11 @@ phrases! {
     RED_CYAN: "rot und türkis (Brille aus Papier)", "red and cyan (glasses of paper)";
     STEREO_BASE: "Abstand der Augen im Objektiv", "Distance of the eyes in the main lens";
     WORKING_DISTANCE: "Arbeitsabstand", "Working distance";
-    FULL_SCREEN: "Ganzer Bildschirm", "Full screen";
+    FULL_SCREEN: "Vollbild", "Full screen";
     PANELS: "Angaben neben dem Bild", "Panels beside the picture";
     STORE_SETTINGS: "Für diese Station speichern", "Store for this station";
     HOLDS_AT_ONCE: "Was geändert ist, gilt sofort, und nach dem Speichern auch für spätere Fenster", "What is changed holds at once, and once it is stored for later windows, too";
+    NOT_STORED: "Nicht gespeichert:", "Not stored:";
     STORED_IN: "Gespeichert in", "Stored in";
 
     ALL_GROUPS: "alle Gruppen", "all groups";

@@ -13,10 +13,13 @@ use microsim_tests::alter::{
 };
 use microsim_tests::{run, scratch, tree, verify};
 use serde_json::Value;
+use std::cell::RefCell;
 use std::fs;
-use std::io::Cursor;
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
 
-type Played = Playback<Cursor<Vec<u8>>>;
+type Played<R = Cursor<Vec<u8>>> = Playback<R>;
 
 const SHOWN: [&str; 3] = [ToolStates::KIND, ObjectScene::KIND, TissueCut::KIND];
 /// Much, and so little that the first and the newest checkpoint have to do.
@@ -24,17 +27,20 @@ const MUCH: usize = 256 << 20;
 const LITTLE: usize = 1;
 
 fn played(bytes: &[u8], memory: usize) -> Played {
+    opened(Cursor::new(bytes.to_vec()), memory, false).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn opened<R: Read + Seek>(source: R, memory: usize, stop: bool) -> Result<Played<R>, RunError> {
     let installation = Installation::open(&tree(), None).expect("the built tree");
     let options = PlaybackOptions {
         threads: 1,
         shown: &SHOWN,
         memory,
+        stop: &AtomicBool::new(stop),
     };
-    let source = Cursor::new(bytes.to_vec());
-    let opened = Playback::open(source, &options, |planned| {
+    Playback::open(source, &options, |planned| {
         locate(&installation, planned).map_err(|e| RunError::Host(e.to_string()))
-    });
-    opened.unwrap_or_else(|e| panic!("{e}"))
+    })
 }
 
 /// All that is shown of a tick, to the bit.
@@ -277,5 +283,57 @@ fn a_torn_session_is_played_to_its_tear() {
         standing.is_complete && standing.difference.is_none(),
         "{standing:?}"
     );
-    assert!(playback.session().complaint.is_some());
+    let complaint = standing.complaint.as_deref().expect("a complaint");
+    assert_eq!(playback.session().complaint.as_deref(), Some(complaint));
+    // A whole one has none.
+    assert_eq!(played(pushed_strip(), MUCH).standing().complaint, None);
+}
+
+/// A file that somebody cuts.
+#[derive(Clone)]
+struct Cut(Rc<RefCell<Cursor<Vec<u8>>>>);
+
+impl Read for Cut {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.0.borrow_mut().read(bytes)
+    }
+}
+
+impl Seek for Cut {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.0.borrow_mut().seek(to)
+    }
+}
+
+/// What stood behind the ticks is not compared with a state in the middle.
+#[test]
+fn a_session_that_is_cut_while_it_is_played_is_not_the_same_to_the_end() {
+    let file = Cut(Rc::new(RefCell::new(Cursor::new(pushed_strip().to_vec()))));
+    let mut playback = opened(file.clone(), MUCH, false).unwrap_or_else(|e| panic!("{e}"));
+    let (_, whole) = playback.range();
+    file.0
+        .borrow_mut()
+        .get_mut()
+        .truncate(pushed_strip().len() / 2);
+    while playback.step().expect("a tick").is_some() {}
+    assert!(playback.step().expect("the end").is_none());
+    let (_, end) = playback.range();
+    assert!(end > 50 && end < whole, "{end} of {whole}");
+    let standing = playback.standing();
+    assert!(
+        !standing.is_complete && standing.difference.is_none(),
+        "{standing:?}"
+    );
+    let complaint = standing.complaint.as_deref().expect("a complaint");
+    assert!(
+        complaint.contains("was cut while it is played"),
+        "{complaint}"
+    );
+}
+
+#[test]
+fn reading_a_session_is_stopped() {
+    let source = Cursor::new(pushed_strip().to_vec());
+    let stopped = opened(source, MUCH, true).err().expect("an error");
+    assert!(stopped.to_string().contains("stopped"), "{stopped}");
 }

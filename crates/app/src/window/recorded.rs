@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 /// Most memory for checkpoints \[byte\].
 const MEMORY: usize = 256 << 20;
@@ -83,11 +84,12 @@ impl Recording for Recorded {
         self.tick_s
     }
 
-    fn open(self: Box<Self>) -> Result<Box<dyn Computation>, String> {
+    fn open(self: Box<Self>, is_left: &AtomicBool) -> Result<Box<dyn Computation>, String> {
         let options = PlaybackOptions {
             threads: 1,
             shown: &SHOWN,
             memory: MEMORY,
+            stop: is_left,
         };
         let installed = |planned: &PlannedPlugin| {
             let found = self.plugins.get(&planned.name).cloned();

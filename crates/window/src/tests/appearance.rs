@@ -2,7 +2,7 @@
 
 use super::records::{LONG, SIZE, click_on};
 use super::{SIZES, check_height, everywhere, texts};
-use crate::appearance::{Appearance, Wanted};
+use crate::appearance::{Appearance, Wanted, changes_picture};
 use eframe::egui::{Event, Key, Modifiers, Ui};
 use microsim_settings::WindowSettings;
 use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
@@ -96,4 +96,44 @@ fn escape_leads_back() {
         wanted = Appearance::default().show(ui, &mut settings, Language::German);
     });
     assert_eq!(wanted, Some(Wanted::Back));
+}
+
+/// A window that was opened in another language than the one of its settings.
+#[test]
+fn a_language_is_chosen_though_it_is_set() {
+    let mut settings = WindowSettings {
+        language: Some(Language::German),
+        ..WindowSettings::default()
+    };
+    assert_eq!(click(&mut settings, "Deutsch"), Some(Wanted::Changed));
+    assert_eq!(settings.language, Some(Language::German));
+}
+
+/// Only what concerns the picture prepares it anew: a quality that was chosen by a key stays otherwise.
+#[test]
+fn language_panels_and_full_screen_leave_the_picture_as_it_is() {
+    let before = WindowSettings::default();
+    let beside = WindowSettings {
+        language: Some(Language::English),
+        panels: !before.panels,
+        full_screen: !before.full_screen,
+        ..before
+    };
+    assert!(!changes_picture(&before, &beside));
+    for of_picture in [
+        WindowSettings {
+            quality: PictureQuality::High,
+            ..beside
+        },
+        WindowSettings {
+            stereo: EyeLayout::RedCyan,
+            ..beside
+        },
+        WindowSettings {
+            working_distance: 0.123,
+            ..beside
+        },
+    ] {
+        assert!(changes_picture(&before, &of_picture), "{of_picture:?}");
+    }
 }

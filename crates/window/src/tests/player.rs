@@ -7,6 +7,7 @@ use microsim_host::replay::Difference;
 use microsim_message::SetupFile;
 use microsim_settings::RendererConfig;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -25,6 +26,12 @@ struct Counted {
     standing: Standing,
     /// From here on no tick can be computed.
     breaks_at: Option<u64>,
+    /// A panic comes from here on.
+    panics_at: Option<u64>,
+    /// Reading lasts until this is set.
+    is_read: Arc<AtomicBool>,
+    /// How often the player went round, at least.
+    rounds: Arc<AtomicUsize>,
     /// Reading fails from here on.
     fails_at: Option<u64>,
     tick_s: f64,
@@ -41,6 +48,9 @@ impl Counted {
             standing: Standing::default(),
             breaks_at: None,
             fails_at: None,
+            panics_at: None,
+            is_read: Arc::new(AtomicBool::new(true)),
+            rounds: Arc::default(),
             tick_s: 0.001,
             picture,
         }
@@ -61,7 +71,13 @@ impl Recording for Counted {
     fn tick(&self) -> f64 {
         self.tick_s
     }
-    fn open(self: Box<Self>) -> Result<Box<dyn Computation>, String> {
+    fn open(self: Box<Self>, is_left: &AtomicBool) -> Result<Box<dyn Computation>, String> {
+        while !self.is_read.load(Ordering::Relaxed) {
+            if is_left.load(Ordering::Relaxed) {
+                return Err("it was left".into());
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
         match self.range.end {
             7 => Err("session a.session: it has no header".into()),
             _ => Ok(self),
@@ -71,6 +87,7 @@ impl Recording for Counted {
 
 impl Computation for Counted {
     fn range(&self) -> Range<u64> {
+        self.rounds.fetch_add(1, Ordering::Relaxed);
         self.range.clone()
     }
     fn tick(&self) -> u64 {
@@ -78,6 +95,9 @@ impl Computation for Counted {
     }
     fn standing(&self) -> Standing {
         self.standing.clone()
+    }
+    fn rebuilt(&self) -> Vec<String> {
+        vec!["counted".into()]
     }
     fn seek(&mut self, tick: u64) -> Result<(), String> {
         let reached = tick.min(self.standing.compared);
@@ -91,6 +111,7 @@ impl Computation for Counted {
         if self.fails_at == Some(self.tick) {
             return Err("the disk is gone".into());
         }
+        assert_ne!(self.panics_at, Some(self.tick), "a bug");
         if self.breaks_at == Some(self.tick) {
             self.range.end = self.tick;
             let (tick, what) = (self.tick, "tick 120 is missing".into());
@@ -138,7 +159,10 @@ fn it_opens_at_a_tick_and_steps_back_without_computing() {
     let counted = Counted::new();
     let player = counted.play(37);
     let state = shown(&player, 37);
-    assert_eq!(state.range, 0..200);
+    assert_eq!(
+        (state.range, state.rebuilt),
+        (0..200, vec!["counted".into()])
+    );
     assert_eq!(state.standing.compared, 38);
     let snapshot = player.take().expect("a state");
     assert_eq!(snapshot.tick, 37);
@@ -189,10 +213,131 @@ fn it_is_paced_by_the_wall_clock() {
         "{:?}",
         start.elapsed()
     );
-    player.play(false);
-    // What lies ahead was computed meanwhile.
-    let computed = counted.computed.lock().expect("no panic").len();
-    assert!(computed > 21, "{computed}");
+}
+
+/// While a tick is shown, what lies ahead is computed: a tick of a minute is long enough for all of it.
+#[test]
+fn it_computes_ahead_of_what_is_shown() {
+    let counted = Counted {
+        tick_s: 60.0,
+        ..Counted::new()
+    };
+    let player = counted.play(0);
+    player.play(true);
+    until(&player, "it computes ahead", |_| {
+        counted.computed.lock().expect("no panic").len() > 100
+    });
+    assert!(player.state().shown <= Some(1));
+}
+
+/// A session that goes on at a checkpoint has no tick 0, where every replay begins.
+#[test]
+fn a_session_that_goes_on_is_played() {
+    let counted = Counted {
+        range: 310..400,
+        tick: 310,
+        standing: Standing {
+            compared: 310,
+            ..Standing::default()
+        },
+        ..Counted::new()
+    };
+    let player = counted.play(0);
+    shown(&player, 310);
+    until(&player, "the goal is one that there is", |_| {
+        player.goal() == Some(310)
+    });
+    player.play(true);
+    until(&player, "it plays", |state| state.shown > Some(320));
+}
+
+/// However far beyond the end was asked for, and whenever: it plays on, or pauses at the end, and does not compute in vain.
+#[test]
+fn beyond_the_end_it_pauses_at_the_end() {
+    // The end, and then to play, before the session is open.
+    let counted = Counted {
+        is_read: Arc::default(),
+        ..Counted::new()
+    };
+    let player = counted.play(0);
+    player.go_to(u64::MAX);
+    player.play(true);
+    counted.is_read.store(true, Ordering::Relaxed);
+    shown(&player, 199);
+    until(&player, "it pauses", |_| !player.plays());
+    assert_eq!(player.goal(), Some(199));
+    // A plot ends one tick behind the last.
+    let player = Counted::new().play(200);
+    shown(&player, 199);
+    until(&player, "the goal is one that there is", |_| {
+        player.goal() == Some(199)
+    });
+    player.play(true);
+    until(&player, "it begins again", |s| s.shown < Some(199));
+    // What was asked for turns out to be behind the end while it plays.
+    let counted = Counted {
+        breaks_at: Some(120),
+        ..Counted::new()
+    };
+    let player = counted.play(0);
+    shown(&player, 0);
+    player.play(true);
+    player.go_to(150);
+    let state = shown(&player, 119);
+    until(&player, "it pauses", |_| !player.plays());
+    assert_eq!(player.goal(), Some(119));
+    assert_eq!(state.working, None);
+}
+
+/// Where the thread panics, the window is woken to show that.
+#[test]
+fn a_panic_is_stated_and_wakes_the_window() {
+    let counted = Counted {
+        panics_at: Some(30),
+        ..Counted::new()
+    };
+    let woken = Arc::new(Mutex::new(Vec::new()));
+    let exchange: Arc<Mutex<Option<Player>>> = Arc::default();
+    let (wakes, seen) = (Arc::clone(&woken), Arc::clone(&exchange));
+    let wake = move || {
+        let player = seen.lock().expect("no panic");
+        let failure = player.as_ref().and_then(|player| player.state().failure);
+        wakes.lock().expect("no panic").push(failure);
+    };
+    let player = Player::start(Box::new(counted), 29, wake).expect("a thread");
+    shown(&player, 29);
+    *exchange.lock().expect("no panic") = Some(player);
+    let ask = |tick| {
+        let player = exchange.lock().expect("no panic");
+        player.as_ref().expect("it is there").go_to(tick);
+    };
+    ask(31);
+    let start = Instant::now();
+    loop {
+        let last = woken.lock().expect("no panic").last().cloned().flatten();
+        if last.is_some_and(|why| why.contains("panicked")) {
+            break;
+        }
+        assert!(start.elapsed() < PATIENCE, "it is not woken");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // Its wake refers to it.
+    drop(exchange.lock().expect("no panic").take());
+}
+
+/// Whoever leaves it waits for its thread, which does not read on.
+#[test]
+fn a_replay_that_was_left_ends() {
+    let counted = Counted {
+        is_read: Arc::default(),
+        ..Counted::new()
+    };
+    let left = counted.play(0).leave().expect("its thread");
+    let start = Instant::now();
+    while !left.is_finished() {
+        assert!(start.elapsed() < PATIENCE, "it reads on");
+        std::thread::sleep(Duration::from_millis(2));
+    }
 }
 
 #[test]
@@ -248,9 +393,17 @@ fn there_may_be_no_tick() {
         ..Counted::new()
     };
     let player = empty.play(3);
-    until(&player, "it is open", |state| state.is_open);
-    player.play(true);
-    player.go_to(5);
-    player.step(-1);
-    assert_eq!(player.state().shown, None);
+    until(&player, "the end is compared", |s| s.standing.is_complete);
+    let asks: [&dyn Fn(); 3] = [&|| player.play(true), &|| player.go_to(5), &|| {
+        player.step(-1)
+    }];
+    for ask in asks {
+        let before = empty.rounds.load(Ordering::Relaxed);
+        ask();
+        until(&player, "it goes round", |_| {
+            empty.rounds.load(Ordering::Relaxed) > before
+        });
+    }
+    let state = player.state();
+    assert_eq!((state.shown, state.failure), (None, None));
 }

@@ -5,6 +5,7 @@ use super::{LANGUAGES, SIZES, check, check_height, long_debrief, texts};
 use crate::console::{Asked, Console, by_key};
 use crate::debrief::{self, Next};
 use crate::player::State;
+use crate::replay::waiting;
 use crate::timeline;
 use eframe::egui::{Event, Key, Modifiers, Ui};
 use microsim_host::playback::Standing;
@@ -23,7 +24,9 @@ fn state() -> State {
             compared: 20_000,
             difference: None,
             is_complete: false,
+            complaint: None,
         },
+        rebuilt: Vec::new(),
         rate: Some(0.25),
         failure: None,
     }
@@ -39,6 +42,7 @@ fn differing() -> State {
                 what: what + &"{\"tools\":[]} ".repeat(40),
             }),
             is_complete: false,
+            complaint: None,
         },
         working: Some((24_000, 0.4)),
         ..state()
@@ -72,6 +76,14 @@ fn a_replay_has_room_for_its_texts() {
         ("replay", state()),
         ("replay that differs", differing()),
         ("replay that is not open yet", State::default()),
+        (
+            "replay that differs and broke off",
+            State {
+                failure: Some("session a.session: ".repeat(20)),
+                rebuilt: vec!["hand".into(), "tissue".into()],
+                ..differing()
+            },
+        ),
         (
             "replay that broke off",
             State {
@@ -115,24 +127,90 @@ fn a_difference_is_on_the_screen() {
     assert!(same.contains("computed at ×0.25"), "{same}");
     let complete = State {
         standing: Standing {
+            compared: 25_000,
             is_complete: true,
             ..state().standing
         },
         ..state()
     };
-    let complete = all(&complete, Language::German);
-    assert!(complete.contains("bis zum Ende gleich"), "{complete}");
+    let whole = all(&complete, Language::German);
+    assert!(whole.contains("bis zum Ende gleich"), "{whole}");
+    // A torn one is the same as far as there is something of it.
+    let torn = State {
+        standing: Standing {
+            complaint: Some("the last record is cut off".into()),
+            ..complete.standing.clone()
+        },
+        ..complete
+    };
+    let torn = all(&torn, Language::English);
+    assert!(
+        torn.contains("as far as it can be read: the last record is cut off"),
+        "{torn}"
+    );
+    assert!(!torn.contains("to the end"), "{torn}");
     for (language, words) in [
-        (Language::English, "Differs at tick 1234: message"),
-        (Language::German, "Weicht ab bei Tick 1234: message"),
+        (
+            Language::English,
+            "Differs at tick 1234. What is shown from there on is not what was recorded",
+        ),
+        (
+            Language::German,
+            "Weicht ab bei Tick 1234. Was von dort an zu sehen ist, wurde so nicht aufgezeichnet",
+        ),
     ] {
         let differs = all(&differing(), language);
         assert!(differs.contains(words), "{differs}");
+        assert!(differs.contains(": message \"tool"), "{differs}");
         assert!(
             !differs.contains("so far") && !differs.contains("bisher"),
             "{differs}"
         );
+        // A failure does not hide it, and it is known what may be the reason.
+        let both = State {
+            failure: Some("the disk is gone".into()),
+            rebuilt: vec!["hand".into(), "tissue".into()],
+            ..differing()
+        };
+        let both = all(&both, language);
+        assert!(both.contains(words), "{both}");
+        assert!(both.contains(": the disk is gone"), "{both}");
+        assert!(both.contains(": hand, tissue)"), "{both}");
     }
+}
+
+/// Before a tick is compared it is not the same, and after a failure nothing is waited for.
+#[test]
+fn nothing_is_claimed_and_nothing_is_waited_for_in_vain() {
+    let report = long_debrief().report;
+    let resumed = State {
+        range: 310..400,
+        shown: None,
+        standing: Standing {
+            compared: 310,
+            ..Standing::default()
+        },
+        ..state()
+    };
+    let found = texts(SIZE, Vec::new(), |ui| {
+        show(ui, &report, &resumed, Language::English);
+    });
+    let all: String = found.into_iter().map(|(text, ..)| text + "\n").collect();
+    assert!(all.contains("No tick is compared yet"), "{all}");
+    assert!(!all.contains("the same"), "{all}");
+
+    let waits = |state: &State| waiting(state).map(|waiting| waiting.of(Language::English));
+    assert!(waits(&State::default()).is_some_and(|text| text.contains("is read")));
+    let empty = State {
+        range: 0..0,
+        ..state()
+    };
+    assert!(waits(&empty).is_some_and(|text| text.contains("no tick")));
+    let failed = State {
+        failure: Some("the disk is gone".into()),
+        ..State::default()
+    };
+    assert_eq!(waits(&failed), None);
 }
 
 #[test]
