@@ -128,7 +128,7 @@ impl Appearance {
     }
 }
 
-/// Whether other settings of the picture hold, so that it is prepared anew. What is measured of the machine is measured once, and a quality that was
+/// Whether other settings of the picture hold, so that the next one is drawn otherwise. What is measured of the machine is measured once, and a quality that was
 /// chosen by a key stays.
 pub fn changes_picture(before: &WindowSettings, after: &WindowSettings) -> bool {
     let other_than_picture = WindowSettings {

@@ -109,7 +109,7 @@ fn a_language_is_chosen_though_it_is_set() {
     assert_eq!(settings.language, Some(Language::German));
 }
 
-/// Only what concerns the picture prepares it anew: a quality that was chosen by a key stays otherwise.
+/// Only what concerns the picture changes it: a quality that was chosen by a key stays otherwise.
 #[test]
 fn language_panels_and_full_screen_leave_the_picture_as_it_is() {
     let before = WindowSettings::default();
