@@ -1,5 +1,5 @@
 //! `cargo xtask bench pictures`: level 4 of coordination in the window at a display without a screen, moved by the mouse: pictures in a second, the time of a picture, and how
-//! long a motion of the hand is on its way to the picture, by stage; in each quality. Writes `tests/results/pictures.md`.
+//! long a motion of the hand takes to the picture, by stage; in each quality. Writes `tests/results/pictures.md`.
 //!
 //! All numbers are those of the log of the window: what it computes and draws in one process, with nothing in it for this measurement.
 

@@ -64,8 +64,8 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
         ));
     }
     // Without it ticks are late more often, that is all.
-    if let Err(error) = threads::give_way() {
-        tracing::warn!("drawing does not give way to computing: {error}");
+    if let Err(error) = threads::lower_priority() {
+        tracing::warn!("drawing has the priority of computing: {error}");
     }
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()

@@ -4,6 +4,7 @@
 use crate::live::Snapshot;
 use crate::nearby::Nearby;
 use crate::station::{Computation, Recording};
+use crate::threads;
 use microsim_host::playback::Standing;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -136,10 +137,8 @@ impl Player {
             }
             drop(ending);
         };
-        let thread = std::thread::Builder::new().name("replay".into());
-        let thread = thread
-            .spawn(play)
-            .map_err(|e| format!("no thread for the replay: {e}"))?;
+        let thread =
+            threads::start("replay", play).map_err(|e| format!("no thread for the replay: {e}"))?;
         Ok(Self {
             exchange,
             thread: Some(thread),

@@ -16,11 +16,11 @@ static STARTER: OnceLock<Mutex<Sender<Work>>> = OnceLock::new();
 /// By how much drawing is "nicer" than computing: a tenth of the processor is left for it where there is not enough for both.
 const NICER: i32 = 10;
 
-/// Lets this thread and those that it starts from now on, a driver's among them, give way to those of [`start`].
+/// Lowers the priority of this thread and of those that it starts from now on, a driver's among them, below that of those of [`start`].
 ///
 /// # Errors
 /// If the system has no thread for it, or refuses.
-pub fn give_way() -> io::Result<()> {
+pub fn lower_priority() -> io::Result<()> {
     let (sender, receiver) = channel::<Work>();
     let starter = Builder::new().name("starter".into());
     starter.spawn(move || receiver.iter().for_each(|work| work()))?;
@@ -57,18 +57,18 @@ pub fn start<T: Send + 'static>(
 mod tests {
     use super::*;
 
-    /// A thread that computes has the priority of before; one that was started by who gave way has not.
+    /// A thread that computes has the priority of before, one that draws a lower one.
     #[test]
-    fn computing_gives_nothing_up() {
+    fn computing_goes_before_drawing() {
         let own = || rustix::process::nice(0).expect("the priority of a thread");
         let before = own();
-        let gave_way = std::thread::spawn(move || {
-            give_way().expect("it gives way");
+        let window = std::thread::spawn(move || {
+            lower_priority().expect("a lower priority");
             let drawing = std::thread::spawn(own).join().expect("no panic");
             let computing = start("computing", own).expect("a thread");
             (drawing, computing.join().expect("no panic"))
         });
-        let (drawing, computing) = gave_way.join().expect("no panic");
+        let (drawing, computing) = window.join().expect("no panic");
         assert_eq!(computing, before);
         // 19 is the most there is.
         assert_eq!(drawing, (before + NICER).min(19));
