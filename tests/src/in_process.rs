@@ -31,6 +31,7 @@ pub fn plan_hosted(
         level,
         variant: None,
         input,
+        hand: None,
         seed: 1,
         without: Vec::new(),
         pictures: false,

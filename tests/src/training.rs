@@ -218,6 +218,7 @@ impl Training {
             level: *level,
             variant: None,
             input,
+            hand: None,
             seed: 1,
             without: Vec::new(),
             pictures: false,

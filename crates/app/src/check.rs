@@ -440,6 +440,7 @@ fn check_level(
         level,
         variant: variant.map(str::to_owned),
         input: Input::Script(script.clone()),
+        hand: None,
         seed: 1,
         without: Vec::new(),
         pictures: false,

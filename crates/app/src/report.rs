@@ -101,6 +101,9 @@ pub fn summary(report: &Report) -> String {
     if let Some(made) = &s.synthetic {
         lines.push(format!("    synthetic trainee: {made}"));
     }
+    if s.mirrored {
+        lines.push("    left-handed: the level was mirrored".into());
+    }
     if !s.changed_files.is_empty() {
         lines.push(format!(
             "    not the level that was installed: {}",

@@ -109,6 +109,7 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
             level: args.level,
             variant: args.variant.clone(),
             input: args.input.clone(),
+            hand: args.hand,
             seed: args.seed,
             without: args.without.clone(),
             pictures: args.frames.is_some(),

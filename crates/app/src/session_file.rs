@@ -4,12 +4,12 @@ use crate::cli::Place;
 use crate::folders::Folders;
 use crate::output::Problem;
 use crate::progress::Progress;
-use microsim_host::assemble::{Installation, Places};
+use microsim_host::assemble::{Installation, Places, hand_of};
 use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::record::{Session, SessionReader, Signatures, TickRecord};
 use microsim_message::LocalText;
 use microsim_report::{Report, ReportBuilder, ReportInput, TimeSpread, Verdict};
-use microsim_settings::{ToolSlot, open_regular, read_regular};
+use microsim_settings::{DominantHand, ToolSlot, open_regular, read_regular};
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -150,6 +150,7 @@ fn next_tick(
 pub fn report_of(session: &Session, path: &Path) -> Result<Report, Problem> {
     let plan = &session.header.plan;
     let tools = ToolsOfRun::new(plan);
+    let mirrored = hand_of(plan).0 == DominantHand::Left;
     let input = ReportInput {
         version: session.header.version.clone(),
         started: session.header.started,
@@ -169,10 +170,11 @@ pub fn report_of(session: &Session, path: &Path) -> Result<Report, Problem> {
                 checkpoint.tick as f64 * plan.tick_ns as f64 * 1e-9
             ),
         },
-        tools: tools.names(),
+        tools: tools.names(mirrored),
         sharp: tools.sharp(),
         bodies: body_names(plan),
         synthetic: plan.synthetic.clone(),
+        mirrored,
         model_error: plan.model_error,
         changed_files: plan.changed_files.clone(),
         realtime: session.header.realtime,
@@ -268,17 +270,24 @@ impl ToolsOfRun {
         sharp.map(|slot| slot.name.clone()).collect()
     }
 
-    /// What the tools are called: the titles of their models, with the slot where two have the same model.
-    fn names(&self) -> BTreeMap<String, LocalText> {
+    /// What the tools are called: the titles of their models, with the slot where two have the same model, which a left-handed trainee has in the other hand.
+    fn names(&self, mirrored: bool) -> BTreeMap<String, LocalText> {
         let named = self.tools.iter().filter_map(|slot| {
             let title = &self.models.get(&slot.model)?.title;
             let same = self.tools.iter().filter(|other| other.model == slot.model);
             let title = match same.count() {
                 1 => title.clone(),
-                _ => LocalText::new(
-                    format!("{} ({})", title.de, slot.name),
-                    format!("{} ({})", title.en, slot.name),
-                ),
+                _ => {
+                    let hand = match slot.name.as_str() {
+                        "left" if mirrored => "right",
+                        "right" if mirrored => "left",
+                        name => name,
+                    };
+                    LocalText::new(
+                        format!("{} ({hand})", title.de),
+                        format!("{} ({hand})", title.en),
+                    )
+                }
             };
             Some((slot.name.clone(), title))
         });

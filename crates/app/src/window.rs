@@ -44,6 +44,13 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     let language = args.lang.as_deref().and_then(Language::from_name);
     let language = language.or(settings.language);
     let language = language.unwrap_or(installation.host.report.language);
+    let hand = match args.hand {
+        Some(hand) => hand,
+        None => {
+            let translator = settings::load_translator(&installation.setting("translator.toml"));
+            translator.map_err(|e| e.to_string())?.settings.dominant
+        }
+    };
     let trainee = args.trainee.as_deref().map(|name| {
         let store = records::must_read(place)?;
         Ok::<_, Problem>(records::find(&store, name)?.id.to_string())
@@ -55,6 +62,7 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
             module: module.clone(),
             level: args.level,
             trainee: trainee.clone(),
+            hand,
         })
     });
     let replay = args.replay.as_deref().map(|session| {
@@ -65,6 +73,7 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
     });
     let opening = Opening {
         language,
+        hand,
         settings,
         choice: choice.transpose()?,
         begins: args.module.is_some(),
@@ -228,6 +237,7 @@ impl Station for AtThisPlace {
                     level: choice.level,
                     variant: variant.map(str::to_owned),
                     input: self.input.clone(),
+                    hand: Some(choice.hand),
                     seed: 1,
                     without: Vec::new(),
                     pictures: false,

@@ -20,8 +20,9 @@ use microsim_settings as settings;
 use microsim_vocabulary::LocalText;
 use serde_json::Value;
 use settings::{
-    Calibration, Level, Loaded, Manifest, ModuleConfig, ModuleFolder, ObjectsConfig, PhysicsConfig,
-    RecorderConfig, RendererConfig, ToolModels, Translator, TranslatorConfig, translator_parts,
+    Calibration, DominantHand, Level, Loaded, Manifest, ModuleConfig, ModuleFolder, ObjectsConfig,
+    PhysicsConfig, RecorderConfig, RendererConfig, ToolModels, Trainee, Translator,
+    TranslatorConfig, translator_parts,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -70,12 +71,14 @@ pub fn differences(
     let translator = translator.and_then(|t| t.setup.configuration::<TranslatorConfig>().ok());
     // What was calibrated belongs to the input, as the devices do.
     let calibration = translator.as_ref().map(|config| config.calibration.clone());
+    let (hand, mirrored) = hand_of(recorded);
     let devices = translator.map(|config| config.devices.into_iter().map(|d| d.name).collect());
     let request = Request {
         module: recorded.module.clone(),
         level: recorded.level,
         variant: recorded.variant.clone(),
         input: Input::Plugin(source.name.clone()),
+        hand: Some(hand),
         seed: recorded.seed,
         without: recorded.without.clone(),
         pictures: false,
@@ -98,6 +101,7 @@ pub fn differences(
             devices,
             note: None,
             synthetic: None,
+            holds_instruments: mirrored,
         },
         calibration: calibration.unwrap_or_default(),
     };
@@ -336,6 +340,8 @@ impl Planner<'_> {
                 let size = (size.width, size.height);
                 let mut config = RendererConfig::new(level, &self.models, size);
                 config.caption = caption(self.request.variant.as_deref());
+                let (_, translator) = self.translator()?;
+                config.mirrored = translator.dominant == DominantHand::Left;
                 return Ok(Some((config_value(&config), self.assets.files.clone())));
             }
             PluginKind::Recorder => config_value(&RecorderConfig {
@@ -351,7 +357,11 @@ impl Planner<'_> {
         let translator = settings::load_translator(&path)?.settings;
         let devices = self.source.devices.as_deref();
         let tools = &self.level.settings.tool;
-        let config = TranslatorConfig::new(&translator, &self.calibration, devices, tools);
+        let trainee = Trainee {
+            dominant: self.request.hand.unwrap_or(translator.dominant),
+            holds_instruments: self.source.holds_instruments,
+        };
+        let config = TranslatorConfig::new(&translator, &self.calibration, devices, tools, trainee);
         Ok((translator, config))
     }
 
@@ -404,6 +414,7 @@ pub fn renderer_for(
     let size = size.map_or((picture.width, picture.height), |size| (size, size));
     let mut config = RendererConfig::new(&level.settings, &models, size);
     config.caption = caption(plan.variant.as_deref());
+    config.mirrored = hand_of(plan).0 == DominantHand::Left;
     let module = installation.module(&plan.module)?;
     let assets = Assets::read(&asset_folders(installation, module), &level)?;
     let run = RunSetup {
@@ -424,6 +435,16 @@ pub fn renderer_for(
     )
 }
 
+/// The dominant hand of whom a plan was made for, and whether poses of devices are mirrored for it.
+pub fn hand_of(plan: &RunPlan) -> (DominantHand, bool) {
+    let mut plugins = plan.plugins.iter();
+    let translator = plugins.find(|plugin| plugin.kind == PluginKind::Translator);
+    let config = translator.and_then(|t| t.setup.configuration::<TranslatorConfig>().ok());
+    config.map_or_else(Default::default, |config| {
+        (config.dominant, config.mirrored)
+    })
+}
+
 /// What pictures of a variant have in their corner, as they look like those of its level.
 fn caption(variant: Option<&str>) -> Option<String> {
     variant.map(|name| format!("variant {name}"))
@@ -442,6 +463,7 @@ pub fn probe_renderer(installation: &Installation) -> Result<(), String> {
         width: 16,
         height: 16,
         caption: None,
+        mirrored: false,
     };
     probe(installation, RENDERER, config_value(&config), Vec::new())
 }

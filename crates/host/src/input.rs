@@ -32,6 +32,8 @@ pub(crate) struct SourceSetup {
     pub note: Option<String>,
     /// By what a synthetic trainee was made.
     pub synthetic: Option<String>,
+    /// Whether the devices are instruments in a trainee's hands; a script, and mouse and keyboard, move in the level's own field.
+    pub holds_instruments: bool,
 }
 
 impl SourceSetup {
@@ -79,6 +81,7 @@ pub(crate) fn source_setup(
             devices: None,
             note: None,
             synthetic: None,
+            holds_instruments: true,
         }),
         Input::Script(given) => {
             // Who listens to an input without running a module looks for it nowhere else.
@@ -116,6 +119,7 @@ pub(crate) fn source_setup(
                 files: Vec::new(),
                 note,
                 synthetic: script.settings.synthetic.clone(),
+                holds_instruments: false,
                 config: config_value(&ScriptConfig {
                     script: script.settings,
                 }),
@@ -160,6 +164,7 @@ fn tracker(
         devices: None,
         note: None,
         synthetic: None,
+        holds_instruments: true,
     })
 }
 
@@ -184,6 +189,7 @@ fn desktop(installation: &Installation, request: &Request) -> Result<SourceSetup
         files: Vec::new(),
         note: None,
         synthetic: None,
+        holds_instruments: false,
     })
 }
 
@@ -213,6 +219,7 @@ fn recording(
         devices: Some(devices),
         note: None,
         synthetic: None,
+        holds_instruments: true,
     }
 }
 
@@ -271,9 +278,16 @@ fn session_input(path: &Path, bytes: &[u8]) -> Result<SourceSetup, AssembleError
         format!("not complete: {complaint}")
     });
     let devices = devices.into_iter().collect();
+    let recorded = session.header.plan;
+    let in_field = [SOURCE_SCRIPT, SOURCE_DESKTOP];
+    let plugins = recorded.plugins.iter();
+    let moves_in_field = plugins
+        .into_iter()
+        .any(|p| in_field.contains(&p.name.as_str()));
     Ok(SourceSetup {
         note,
-        synthetic: session.header.plan.synthetic,
+        synthetic: recorded.synthetic,
+        holds_instruments: !moves_in_field,
         ..recording(path, &RecordingConfig::Samples, encode(&samples), devices)
     })
 }

@@ -48,6 +48,7 @@ impl Listener {
             level: 1,
             variant: None,
             input: input.clone(),
+            hand: None,
             seed: 1,
             without: Vec::new(),
             pictures: false,

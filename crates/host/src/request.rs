@@ -1,6 +1,6 @@
 //! What an operator asks for, and why there may be no plan for it.
 
-use microsim_settings::ConfigErrors;
+use microsim_settings::{ConfigErrors, DominantHand};
 use std::fmt;
 use std::path::PathBuf;
 
@@ -75,6 +75,8 @@ pub struct Request {
     pub variant: Option<String>,
     /// Motion.
     pub input: Input,
+    /// The trainee's dominant hand; `None` for that of `translator.toml`.
+    pub hand: Option<DominantHand>,
     /// Seed.
     pub seed: u64,
     /// What to leave out: kinds of plugins (`physics`), `friction`, or `lonor`, all cutting; such a run is no result.

@@ -18,7 +18,7 @@ fn place_at(pixel: vec2i, size: vec2i) -> vec3f {
     let depth = min(textureLoad(depth_map, at, 0), 0.99999);
     let ahead = scene.lens.w / (1.0 - depth);
     let full = 2.0 * (vec2f(at) + 0.5);
-    let clip = vec2f(full.x - scene.field.x, scene.field.y - full.y) / scene.field.z;
+    let clip = vec2f(sign(scene.lens.x) * (full.x - scene.field.x), scene.field.y - full.y) / scene.field.z;
     let x = scene.eye.x + (clip.x - scene.eye.x) * ahead / scene.lens.z;
     return vec3f(x, clip.y * ahead / scene.lens.z, scene.lens.z - ahead);
 }
@@ -39,7 +39,7 @@ fn openness_fragment(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let up = here - place_at(at - vec2i(0, 1), size);
     let across = select(left, right, abs(right.z) < abs(left.z));
     let along = select(up, down, abs(down.z) < abs(up.z));
-    let normal = normalize(cross(along, across));
+    let normal = normalize(cross(along, across)) * sign(scene.lens.x);
     let reach = REACH * 0.5 * scene.field.z;
     let turn = 6.2831853 * grain(pixel.xy);
     let count = select(6u, 12u, QUALITY == 2u);

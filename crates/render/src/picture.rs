@@ -33,6 +33,8 @@ pub struct Picture {
     pub tissues: Vec<Tissue>,
     /// One picture, or one per eye.
     pub stereo: Stereo,
+    /// Whether all but the eyes and the lamps is mirrored in the plane through the middle of the view that has x fixed: right is left.
+    pub mirrored: bool,
 }
 
 impl Picture {
@@ -46,6 +48,7 @@ impl Picture {
             items,
             tissues: Vec::new(),
             stereo: Stereo::default(),
+            mirrored: false,
         }
     }
 }

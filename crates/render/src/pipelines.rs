@@ -36,10 +36,12 @@ pub(crate) struct Pipelines {
     masked: Option<Masked>,
     /// By the layout's number less one.
     pub compose: Vec<wgpu::RenderPipeline>,
+    /// Whether they are those of mirrored pictures, in which outer sides run round the other way.
+    pub mirrored: bool,
 }
 
 impl Pipelines {
-    pub fn new(device: &wgpu::Device, layouts: &Layouts, quality: Quality) -> Self {
+    pub fn new(device: &wgpu::Device, layouts: &Layouts, quality: Quality, mirrored: bool) -> Self {
         let module = |source, label| module(device, source, label);
         let surfaces = module(include_str!("surface.wgsl"), "surface");
         let openness = module(include_str!("openness.wgsl"), "openness");
@@ -48,6 +50,7 @@ impl Pipelines {
             device,
             layouts,
             quality,
+            mirrored,
         };
         Self {
             shadow: maker.shadow(&surfaces, false),
@@ -79,6 +82,7 @@ impl Pipelines {
                     maker.whole(&post, "compose_fragment", &layouts.post, COLOUR, &constants)
                 })
                 .collect(),
+            mirrored,
         }
     }
 
@@ -103,6 +107,7 @@ impl Pipelines {
             device,
             layouts,
             quality,
+            mirrored: self.mirrored,
         };
         self.textured = maker.textured(&surfaces, "textured_fragment");
     }
@@ -132,6 +137,7 @@ impl Pipelines {
             device,
             layouts,
             quality,
+            mirrored: self.mirrored,
         };
         self.masked = Some(Masked {
             depth: CutDepth {
@@ -157,6 +163,7 @@ struct Maker<'a> {
     device: &'a wgpu::Device,
     layouts: &'a Layouts,
     quality: Quality,
+    mirrored: bool,
 }
 
 impl Maker<'_> {
@@ -345,6 +352,10 @@ impl Maker<'_> {
                     buffers: if stages.has_vertices { &buffers } else { &[] },
                 },
                 primitive: wgpu::PrimitiveState {
+                    front_face: match self.mirrored {
+                        false => wgpu::FrontFace::Ccw,
+                        true => wgpu::FrontFace::Cw,
+                    },
                     cull_mode: stages.cull,
                     ..Default::default()
                 },

@@ -239,8 +239,12 @@ impl Renderer {
             Some(targets) if targets.form == form => targets,
             _ => Targets::new(device, form, &self.maps()),
         };
-        let pipelines = self.pipelines[self.quality as usize]
-            .get_or_insert_with(|| Pipelines::new(device, &self.layouts, self.quality));
+        let mirrored = picture.mirrored;
+        let pipelines = &mut self.pipelines[self.quality as usize];
+        // A trainee's hand does not change from picture to picture.
+        pipelines.take_if(|of| of.mirrored != mirrored);
+        let pipelines = pipelines
+            .get_or_insert_with(|| Pipelines::new(device, &self.layouts, self.quality, mirrored));
         if self.draws.iter().any(|draw| draw.texture.is_some()) {
             pipelines.prepare_textured(device, &self.layouts, self.quality);
         }
@@ -371,7 +375,7 @@ impl Renderer {
         };
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let mut pipelines = [None, None, None];
-        pipelines[quality as usize] = Some(Pipelines::new(device, &layouts, quality));
+        pipelines[quality as usize] = Some(Pipelines::new(device, &layouts, quality, false));
         Self {
             gpu: gpu.clone(),
             quality,

@@ -1,7 +1,7 @@
 // What all passes read. All positions are in the view frame: origin in the focus point, x right, y up, z towards the eye, unit one field radius.
 
 struct Scene {
-    // x, y: clip coordinates per unit in the plane of focus; z: distance of the eye; w: distance of the near plane.
+    // x, y: clip coordinates per unit in the plane of focus, x negative in a mirrored picture; z: distance of the eye; w: distance of the near plane.
     lens: vec4f,
     // x: place of the eye across the view axis; y: millimetres per unit; z: millimetres per pixel; w: distance by which shadow lookups leave the surface.
     eye: vec4f,

@@ -36,6 +36,7 @@ pub fn picture<'a>(
     let items = items(config, objects, tools, placements);
     Picture {
         tissues: tissues(&config.bodies, blocks),
+        mirrored: config.mirrored,
         ..Picture::new((config.width, config.height), view, items)
     }
 }
@@ -288,6 +289,7 @@ radius = "0.5 mm"
             }],
             width: 64,
             height: 32,
+            mirrored: false,
             caption: None,
         }
     }

@@ -42,7 +42,10 @@ impl Scene {
         let field_pixels = 0.5 * width.min(height);
         let unit = 0.5 * field_diameter;
         let eye = working_distance / unit;
-        let towards = nalgebra::Vector3::from(key_light_direction());
+        // The frame of the view is that of what is drawn: in it, a mirror exchanges the sides of the eye and of the lamp instead.
+        let side = if picture.mirrored { -1.0 } else { 1.0 };
+        let mut towards = nalgebra::Vector3::from(key_light_direction());
+        towards.x *= side;
         let across = nalgebra::Vector3::y().cross(&towards).normalize();
         let along = towards.cross(&across);
         let [far, near] = SHADOW_DEPTHS;
@@ -57,13 +60,13 @@ impl Scene {
         let penumbra = libm::tan(LAMP) * (near - far) / (2.0 * SHADOW_REACH);
         Self {
             lens: single([
-                2.0 * field_pixels / width,
+                side * 2.0 * field_pixels / width,
                 2.0 * field_pixels / height,
                 eye,
                 NEAR * eye,
             ]),
             eye: single([
-                beside / unit,
+                side * beside / unit,
                 1e3 * unit,
                 1e3 * unit / field_pixels,
                 LOOKUP * texel,

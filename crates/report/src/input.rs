@@ -39,6 +39,9 @@ pub struct ReportInput {
     pub bodies: Vec<String>,
     /// By what a synthetic trainee was made; `None` for all others.
     pub synthetic: Option<String>,
+    /// Whether the level was mirrored for a left-handed trainee: where texts have left, it was right.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mirrored: bool,
     /// Relative error of the tissue that the level states as measured; `None` if it states none.
     #[serde(default)]
     pub model_error: Option<f64>,

@@ -22,8 +22,13 @@ pub fn translator_parts(
         why,
     };
     let mut parts = Vec::new();
-    if translator.dominant == DominantHand::Left {
-        let why = "config/translator.toml has it; the devices of the slots left and right have changed places";
+    if config.dominant == DominantHand::Left {
+        let why = match config.mirrored {
+            true => {
+                "pictures and poses are mirrored; the devices of the slots left and right have changed places"
+            }
+            false => "pictures are mirrored; the input moves in the level's own field",
+        };
         parts.push(part("hand", "left", why.to_owned()));
     }
     for device in &config.devices {

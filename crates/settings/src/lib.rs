@@ -107,7 +107,7 @@ pub use openigtlink::{
 pub use overrides::Override;
 pub use plugin_config::{
     BodyLook, ModuleConfig, ObjectsConfig, PhysicsConfig, RecorderConfig, RecordingConfig,
-    RendererConfig, ScriptConfig, ToolModels, TranslatorConfig,
+    RendererConfig, ScriptConfig, ToolModels, Trainee, TranslatorConfig,
 };
 pub use recording::{
     DeviceColumns, OpeningColumn, RecordingMap, TimeColumn, load_recording_map, read_recording_map,

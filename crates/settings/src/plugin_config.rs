@@ -74,6 +74,32 @@ pub struct TranslatorConfig {
     /// What was calibrated on this station.
     #[serde(default, skip_serializing_if = "Calibration::is_empty")]
     pub calibration: Calibration,
+    /// The trainee's dominant hand: with the left one the level is shown mirrored.
+    #[serde(default, skip_serializing_if = "is_right")]
+    pub dominant: DominantHand,
+    /// Whether poses of devices are mirrored: those of instruments in the hands of a left-handed trainee. A script, and mouse and keyboard, move in the level's own field.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mirrored: bool,
+}
+
+fn is_right(hand: &DominantHand) -> bool {
+    *hand == DominantHand::Right
+}
+
+/// Who moves the devices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Trainee {
+    /// The dominant hand.
+    pub dominant: DominantHand,
+    /// Whether the devices are instruments in hands, which see the level mirrored where the left one is dominant: all but scripts, and mouse and keyboard.
+    pub holds_instruments: bool,
+}
+
+impl Trainee {
+    /// Whether devices of the slots `left` and `right` change places, and poses are mirrored.
+    fn mirrors(self) -> bool {
+        self.dominant == DominantHand::Left && self.holds_instruments
+    }
 }
 
 impl TranslatorConfig {
@@ -84,12 +110,14 @@ impl TranslatorConfig {
         calibration: &Calibration,
         devices: Option<&[String]>,
         tools: &[ToolSlot],
+        trainee: Trainee,
     ) -> Self {
+        let mirrored = trainee.mirrors();
         let has_tool = |map: &DeviceMap| tools.iter().any(|tool| tool.name == map.tool);
         let map_of = |device: &str| {
             let map = translator.device.iter().find(|map| map.name == device);
             let mut map = map.cloned().unwrap_or_else(|| DeviceMap::identity(device));
-            adjust(translator, &mut map);
+            adjust(translator, mirrored, &mut map);
             map
         };
         let maps: Vec<DeviceMap> = match devices {
@@ -115,7 +143,7 @@ impl TranslatorConfig {
                 let mut maps: Vec<DeviceMap> = listed.filter(has_tool).collect();
                 for tool in tools {
                     if !maps.iter().any(|map| map.tool == tool.name) {
-                        let mut map = map_of(translator.device_of(&tool.name));
+                        let mut map = map_of(slot_of(&tool.name, mirrored));
                         map.tool = tool.name.clone();
                         maps.push(map);
                     }
@@ -147,6 +175,8 @@ impl TranslatorConfig {
             filters: filters.cloned().collect(),
             calibration: calibration.of_devices(drives),
             devices: maps,
+            dominant: trainee.dominant,
+            mirrored,
         }
     }
 
@@ -162,8 +192,8 @@ impl TranslatorConfig {
 }
 
 /// What the trainee's hand and a box of the tracker make of a device's map.
-fn adjust(translator: &Translator, map: &mut DeviceMap) {
-    map.tool = translator.slot_of(&map.tool).to_owned();
+fn adjust(translator: &Translator, mirrored: bool, map: &mut DeviceMap) {
+    map.tool = slot_of(&map.tool, mirrored).to_owned();
     let space = translator
         .tracking_box
         .iter()
@@ -174,19 +204,12 @@ fn adjust(translator: &Translator, map: &mut DeviceMap) {
     }
 }
 
-impl Translator {
-    /// The slot that a tool of a right-handed trainee is in.
-    fn slot_of<'a>(&self, tool: &'a str) -> &'a str {
-        match (self.dominant, tool) {
-            (DominantHand::Left, "left") => "right",
-            (DominantHand::Left, "right") => "left",
-            _ => tool,
-        }
-    }
-
-    /// The device that drives a slot where none is listed: that of the same name, or of the other hand.
-    fn device_of<'a>(&self, slot: &'a str) -> &'a str {
-        self.slot_of(slot)
+/// The slot that a tool of a right-handed trainee is in, and the device that drives a slot where none is listed: those of the same name, or of the other hand.
+fn slot_of(tool: &str, mirrored: bool) -> &str {
+    match tool {
+        "left" if mirrored => "right",
+        "right" if mirrored => "left",
+        tool => tool,
     }
 }
 
@@ -361,6 +384,9 @@ pub struct RendererConfig {
     /// What stands in the picture's corner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caption: Option<String>,
+    /// Whether right and left are exchanged, for a left-handed trainee.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mirrored: bool,
 }
 
 impl RendererConfig {
@@ -378,6 +404,7 @@ impl RendererConfig {
             width,
             height,
             caption: None,
+            mirrored: false,
         }
     }
 }

@@ -37,7 +37,7 @@ table! {
         stale_after: f64 = time(0.001, 10.0) => 0.1,
         /// What no hand goes beyond: samples that do are left out.
         hand: Hand => own_defaults(),
-        /// The trainee's dominant hand. Levels are made for right-handed people: with `left` the devices of the slots `left` and `right` change places.
+        /// The trainee's dominant hand. Levels are made for right-handed people: with `left` they are shown mirrored, and of instruments the devices of the slots `left` and `right` change places.
         dominant: DominantHand => "right",
         /// Devices that do not simply drive the tool of their own name.
         device: Vec<DeviceMap> [0, 32],
@@ -59,6 +59,13 @@ terms! {
         Right = "right",
         /// The left one.
         Left = "left",
+    }
+}
+
+impl Default for DominantHand {
+    /// For whom levels are made.
+    fn default() -> Self {
+        Self::Right
     }
 }
 

@@ -237,6 +237,26 @@ mod tests {
         assert!((turn * Vector3::x()).z.abs() < 1e-15);
     }
 
+    /// In the mirror x → −x a handle has the opposite azimuth and roll: for M = diag(−1, 1, 1) its rotation is M R M.
+    #[test]
+    fn the_mirror_image_of_a_hand_has_the_opposite_azimuth_and_roll() {
+        let angles = HandAngles {
+            azimuth: 0.4,
+            elevation: 0.3,
+            roll: 0.7,
+        };
+        let [x, y, z, w] = angles.orientation();
+        let seen = HandAngles {
+            azimuth: -0.4,
+            elevation: 0.3,
+            roll: -0.7,
+        };
+        let expected = [x, -y, -z, w];
+        for (found, expected) in seen.orientation().iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-15);
+        }
+    }
+
     /// However far it is asked to go at once, speed and acceleration stay within their limits, and it arrives without going beyond.
     #[test]
     fn a_leap_of_the_pointer_is_a_motion_of_a_hand() {

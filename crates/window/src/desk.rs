@@ -14,7 +14,7 @@ use crate::threads;
 use crate::training::{Outcome, Training};
 use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, Key, RichText, Ui};
-use microsim_settings::WindowSettings;
+use microsim_settings::{DominantHand, WindowSettings};
 use microsim_vocabulary::Language;
 use std::fmt;
 use std::thread::JoinHandle;
@@ -30,6 +30,8 @@ pub struct Opening {
     pub choice: Option<Choice>,
     /// Whether it begins at once.
     pub begins: bool,
+    /// The dominant hand of who trains, until another one is chosen.
+    pub hand: DominantHand,
     /// A recorded session that is shown in its place.
     pub replay: Option<Box<Debrief>>,
     /// Width and height of the window \[points\].
@@ -136,7 +138,10 @@ impl Desk {
                 ..opening.settings
             },
             left: None,
-            launcher: Launcher::default(),
+            launcher: Launcher {
+                hand: opening.hand,
+                ..Launcher::default()
+            },
             upkeep: Upkeep::default(),
             screen: Screen::Launcher,
             station,
@@ -207,6 +212,7 @@ impl Desk {
             module: session.module.clone(),
             level: session.level,
             trainee: self.launcher.trainee.clone(),
+            hand: self.launcher.hand,
         }
     }
 

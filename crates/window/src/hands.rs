@@ -214,6 +214,16 @@ impl Hands {
     }
 }
 
+/// What is wished for in the picture, for a field that is mirrored in it: x, the azimuth and the roll of a handle change their signs.
+pub fn mirrored(wish: DesktopInput) -> DesktopInput {
+    let ([x, y, z], [azimuth, elevation, roll]) = (wish.shift, wish.turn);
+    DesktopInput {
+        shift: [-x, y, z],
+        turn: [-azimuth, elevation, -roll],
+        ..wish
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -335,5 +345,21 @@ mod tests {
             [("right", Some(0.0)), ("right", Some(0.8)), ("left", None)]
         );
         assert!((wishes[2].shift[2] - 0.25e-3).abs() < 1e-12);
+    }
+
+    /// Where right and left are exchanged in the picture, a pointer that goes to the right asks for a smaller x; up stays up. How the angles of a hand change is in its
+    /// own tests.
+    #[test]
+    fn in_a_mirrored_picture_the_tip_goes_along_with_the_pointer() {
+        let wish = DesktopInput {
+            shift: [1e-3, 2e-3, 3e-3],
+            turn: [0.1, 0.2, 0.3],
+            opening: Some(0.5),
+            tool: "right".into(),
+        };
+        let seen = mirrored(wish.clone());
+        assert_eq!(seen.shift, [-1e-3, 2e-3, 3e-3]);
+        assert_eq!(seen.turn, [-0.1, 0.2, -0.3]);
+        assert_eq!(mirrored(seen), wish);
     }
 }

@@ -5,6 +5,7 @@ use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, TraineeEntry};
 use crate::text::{self, local};
 use eframe::egui::{self, Align, Event, Key, Layout, ScrollArea, Sense, Ui};
 use microsim_message::LocalText;
+use microsim_settings::DominantHand;
 use microsim_vocabulary::Language;
 
 /// What is chosen so far.
@@ -16,6 +17,8 @@ pub struct Launcher {
     pub level: u32,
     /// Id of the trainee.
     pub trainee: Option<String>,
+    /// The trainee's dominant hand.
+    pub hand: DominantHand,
 }
 
 /// What the operator asked for.
@@ -51,6 +54,7 @@ impl Launcher {
             module: module.name.clone(),
             level: self.level.max(1),
             trainee: self.trainee.clone(),
+            hand: self.hand,
         })
     }
 
@@ -112,6 +116,7 @@ impl Launcher {
                             module: module.name.clone(),
                             level: level.number,
                             trainee: self.trainee.clone(),
+                            hand: self.hand,
                         };
                         let locked = (offer.locked)(&choice);
                         let chosen = level.number == self.level.max(1);
@@ -121,12 +126,27 @@ impl Launcher {
                     }
                 });
             ui.add_space(8.0);
-            let begin = ui.add(look::main_button(text::BEGIN.of(language)));
-            if begin.clicked() {
-                wanted = self.choice(offer.catalogue).map(Wanted::Begin);
-            }
+            ui.horizontal(|ui| {
+                let begin = ui.add(look::main_button(text::BEGIN.of(language)));
+                if begin.clicked() {
+                    wanted = self.choice(offer.catalogue).map(Wanted::Begin);
+                }
+                ui.add_space(12.0);
+                let mut is_left = self.hand == DominantHand::Left;
+                let hand = ui.checkbox(&mut is_left, text::LEFT_HANDED.of(language));
+                if hand.clicked() {
+                    self.change_hand();
+                }
+            });
         });
         wanted
+    }
+
+    fn change_hand(&mut self) {
+        self.hand = match self.hand {
+            DominantHand::Right => DominantHand::Left,
+            DominantHand::Left => DominantHand::Right,
+        };
     }
 
     fn choose_trainee(&mut self, ui: &mut Ui, offer: &Offer<'_>, language: Language) {
@@ -155,7 +175,7 @@ impl Launcher {
         ui.label(text::TRAINEE.of(language));
     }
 
-    /// Arrows choose, up and down the module, left and right the level, and Enter begins: in the order in which they were pressed, however slow the pictures are.
+    /// Arrows choose, up and down the module, left and right the level, H the trainee's hand, and Enter begins: in the order in which they were pressed, however slow the pictures are.
     fn choose_by_keys(&mut self, ui: &Ui, catalogue: &Catalogue) -> Option<Wanted> {
         let last = catalogue.modules.len().checked_sub(1)?;
         if ui.memory(|memory| memory.focused().is_some()) {
@@ -177,6 +197,7 @@ impl Launcher {
                 Key::ArrowUp if self.module > 0 => (self.module, self.level) = (self.module - 1, 1),
                 Key::ArrowRight => self.level = (self.level.max(1) + 1).min(levels),
                 Key::ArrowLeft => self.level = self.level.saturating_sub(1).max(1),
+                Key::H => self.change_hand(),
                 Key::Enter => return self.choice(catalogue).map(Wanted::Begin),
                 _ => {}
             }

@@ -18,6 +18,8 @@ pub struct Task<'a> {
     pub module: &'a ModuleEntry,
     /// The level.
     pub level: &'a LevelEntry,
+    /// Whether it is mirrored: where its text has left, it is right.
+    pub mirrored: bool,
     /// How far it is.
     pub state: LevelState,
     /// Simulated time \[s\].
@@ -41,6 +43,9 @@ impl Task<'_> {
         ui.add_space(8.0);
         ui.label(look::heading(text::TASK.of(language)));
         ui.label(local(&self.level.summary, language));
+        if self.mirrored {
+            ui.label(look::quiet(text::MIRRORED.of(language)));
+        }
         ui.add_space(8.0);
         egui::Grid::new("state").num_columns(2).show(ui, |ui| {
             ui.label(text::TIME.of(language));

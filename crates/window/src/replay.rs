@@ -83,7 +83,7 @@ impl Replay {
             marks: timeline::marks(&debrief.report),
             debrief,
             curves: None,
-            scope: Scope::new(config.view),
+            scope: Scope::new(config.view, config.mirrored),
             config,
             models,
             player,

@@ -8,16 +8,14 @@ use microsim_settings::View;
 const RANGE: [f64; 2] = [4.0, 40.0];
 /// What a press of a key multiplies the magnification with.
 const STEP: f64 = 1.25;
-/// What a press of a key shifts the middle by, in diameters of the field.
-const SHIFT: f64 = 0.05;
 /// What a press of a key shifts the plane of focus by, in diameters of the field.
 const FOCUS: f64 = 0.02;
-/// Keys that shift the middle: key, axis of the field, direction.
-const SHIFTS: [(Key, usize, f64); 4] = [
-    (Key::L, 0, 1.0),
-    (Key::J, 0, -1.0),
-    (Key::I, 1, 1.0),
-    (Key::K, 1, -1.0),
+/// Keys that shift the middle, to the right and up \[diameters of the field\].
+const SHIFTS: [(Key, [f64; 2]); 4] = [
+    (Key::L, [0.05, 0.0]),
+    (Key::J, [-0.05, 0.0]),
+    (Key::I, [0.0, 0.05]),
+    (Key::K, [0.0, -0.05]),
 ];
 
 /// The microscope over a level.
@@ -25,14 +23,17 @@ const SHIFTS: [(Key, usize, f64); 4] = [
 pub struct Scope {
     of_level: View,
     view: View,
+    /// Whether right and left are exchanged in the picture.
+    mirrored: bool,
 }
 
 impl Scope {
     /// As the level sets it.
-    pub fn new(of_level: View) -> Self {
+    pub fn new(of_level: View, mirrored: bool) -> Self {
         Self {
             of_level,
             view: of_level,
+            mirrored,
         }
     }
 
@@ -76,9 +77,10 @@ impl Scope {
 
     /// Shifts the middle by parts of the field, to the right and up in the picture.
     pub fn shift(&mut self, by: [f64; 2]) {
-        for (axis, part) in by.into_iter().enumerate() {
-            self.view.centre[axis] += part * self.view.field;
-        }
+        let [right, up] = by;
+        let along_x = if self.mirrored { -right } else { right };
+        self.view.centre[0] += along_x * self.view.field;
+        self.view.centre[1] += up * self.view.field;
     }
 
     /// Raises the plane of focus towards the eye, by a part of the field.
@@ -98,8 +100,8 @@ impl Scope {
             Key::O => self.focus(-FOCUS),
             Key::Num0 | Key::Home => self.view = self.of_level,
             key => {
-                if let Some((_, axis, sign)) = SHIFTS.iter().find(|(of, ..)| *of == key) {
-                    self.view.centre[*axis] += sign * SHIFT * self.view.field;
+                if let Some((_, by)) = SHIFTS.iter().find(|(of, _)| *of == key) {
+                    self.shift(*by);
                 }
             }
         }
@@ -118,7 +120,7 @@ mod tests {
             centre: [0.0, 1e-3, 0.0],
             tilt: 0.5,
         };
-        let mut scope = Scope::new(of_level);
+        let mut scope = Scope::new(of_level, false);
         assert!((scope.magnification() - 8.0).abs() < 1e-12);
         scope.press(Key::Plus);
         scope.press(Key::L);
@@ -141,5 +143,12 @@ mod tests {
         assert!((along - 5e-4).abs() < 1e-12 && raised[1] < 1e-3 && raised[2] > 0.0);
         scope.press(Key::O);
         assert!(scope.view().centre[2].abs() < 1e-12, "and back");
+
+        // In a mirrored picture what lies to the right has a smaller x; up stays up.
+        let mut scope = Scope::new(of_level, true);
+        scope.press(Key::L);
+        scope.press(Key::I);
+        let [x, y, _] = scope.view().centre;
+        assert!((x + 1.25e-3).abs() < 1e-12 && (y - 2.25e-3).abs() < 1e-12);
     }
 }

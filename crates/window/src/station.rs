@@ -4,7 +4,7 @@ use crate::ledger::{Debrief, Ledger};
 use microsim_host::playback::{Moment, Playback, Standing};
 use microsim_host::run::{Operator, RunOutcome};
 use microsim_message::{LocalText, SetupFile};
-use microsim_settings::{Desktop, RendererConfig, WindowSettings};
+use microsim_settings::{Desktop, DominantHand, RendererConfig, WindowSettings};
 use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -72,6 +72,8 @@ pub struct Choice {
     pub level: u32,
     /// Id of the trainee.
     pub trainee: Option<String>,
+    /// The trainee's dominant hand: for the left one the level is mirrored.
+    pub hand: DominantHand,
 }
 
 /// A place to train at.

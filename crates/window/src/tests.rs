@@ -14,7 +14,7 @@ use microsim_message::{
 };
 use microsim_render::Quality;
 use microsim_report::{Moment, MomentKind, ReportBuilder, ReportInput, ToolSeries};
-use microsim_settings::{RendererConfig, View};
+use microsim_settings::{DominantHand, RendererConfig, View};
 use microsim_vocabulary::Language;
 use std::path::PathBuf;
 
@@ -180,6 +180,7 @@ fn renderer() -> RendererConfig {
         width: 64,
         height: 64,
         caption: None,
+        mirrored: false,
     }
 }
 
@@ -245,8 +246,15 @@ fn the_launcher_is_used_by_keyboard() {
         module: "module-1".into(),
         level: 2,
         trainee: None,
+        hand: DominantHand::Right,
     };
-    assert_eq!(wanted, Some(Wanted::Begin(choice)));
+    assert_eq!(wanted, Some(Wanted::Begin(choice.clone())));
+
+    texts(SIZES[0], [Key::H, Key::Enter].map(press).into(), |ui| {
+        wanted = show_launcher(ui, &mut launcher, Language::English);
+    });
+    let hand = DominantHand::Left;
+    assert_eq!(wanted, Some(Wanted::Begin(Choice { hand, ..choice })));
 }
 
 /// What does not scroll, which is cut off by nothing above the lower edge, ends above it.
@@ -281,6 +289,7 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
         let task = Task {
             module,
             level,
+            mirrored: language == Language::German,
             state: LevelState {
                 phase: LevelPhase::Running,
                 running: 12.0,

@@ -58,6 +58,8 @@ phrases! {
     TRAINEE: "Trainierende Person", "Trainee";
     NOBODY: "niemand (ohne Namen)", "nobody (no name)";
     BEGIN: "Beginnen", "Begin";
+    LEFT_HANDED: "linkshändig: Stufe gespiegelt (H)", "left-handed: level mirrored (H)";
+    MIRRORED: "Gespiegelt für Linkshändige: Wo der Text links sagt, ist es rechts.", "Mirrored for left-handed trainees: where the text has left, it is right.";
     LANGUAGE: "English", "Deutsch";
     QUIT: "Beenden", "Quit";
     RECORDS: "Trainierende und Ergebnisse", "Trainees and results";

@@ -10,7 +10,7 @@ use crate::panels::{Instrument, Pictures, Task};
 use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
 use crate::text;
-use crate::{look, panels};
+use crate::{hands, look, panels};
 use eframe::egui::{self, Key, Rect, RichText, Ui};
 use microsim_message::{LevelState, ToolStates};
 use microsim_render::{Models, Quality};
@@ -85,7 +85,7 @@ impl Training {
             choice,
             module: module.clone(),
             level: level.clone(),
-            scope: Scope::new(config.view),
+            scope: Scope::new(config.view, config.mirrored),
             config,
             models,
             live: Live::start(session, wake)?,
@@ -146,7 +146,12 @@ impl Training {
         if let Some(hands) = &mut self.hands {
             hands.look(self.scope.view());
             let wishes = ui.input(|input| hands.wishes(input, field.eye(picture)));
-            wishes.into_iter().for_each(|wish| self.live.wish(wish));
+            let mirrored = self.config.mirrored;
+            let wishes = wishes.into_iter().map(|wish| match mirrored {
+                true => hands::mirrored(wish),
+                false => wish,
+            });
+            wishes.for_each(|wish| self.live.wish(wish));
         }
         None
     }
@@ -159,6 +164,7 @@ impl Training {
         let task = Task {
             module: &self.module,
             level: &self.level,
+            mirrored: self.config.mirrored,
             state: state.unwrap_or_default(),
             time: self.snapshot.as_ref().map_or(0.0, |seen| seen.time),
             events: &self.live.events(),

@@ -41,6 +41,7 @@ fn mapping(config: &TranslatorConfig, device: &DeviceMap) -> Mapping {
             .opening
             .fixed()
             .map_or(Opening::DEVICE, Opening::Constant),
+        mirrored: config.mirrored,
     };
     match config.workspace(&device.name) {
         None => mapping,

@@ -23,7 +23,7 @@ fn sources_that_are_none() {
         ),
         (
             "desktop",
-            "mouse and keyboard are not there yet; expected script:FILE",
+            "mouse and keyboard are those of a window (`microsim window`); expected script:FILE",
         ),
         (
             "openigtlink://",

@@ -1,8 +1,11 @@
 //! Commands that make sessions, and that show them.
 
-use super::value::{parse_input, parse_level, parse_rate, parse_seconds, table_path, utf8_path};
+use super::value::{
+    parse_hand, parse_input, parse_level, parse_rate, parse_seconds, table_path, utf8_path,
+};
 use clap::Args;
 use microsim_host::assemble::Input;
+use microsim_settings::DominantHand;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -43,6 +46,9 @@ pub struct RunArgs {
     /// Session file to write; it must not exist; the report is written beside it [default: a new name in the folder of config/host.toml]
     #[arg(long, value_name = "FILE", value_parser = utf8_path)]
     pub session: Option<PathBuf>,
+    /// Dominant hand of who trains: for the left one the level is shown mirrored, and poses of tracked instruments are mirrored [default: `dominant` of config/translator.toml]
+    #[arg(long, value_name = "HAND", value_parser = parse_hand)]
+    pub hand: Option<DominantHand>,
     /// Seed of everything random
     #[arg(long, default_value_t = 1, value_name = "N")]
     pub seed: u64,

@@ -1,7 +1,7 @@
 //! Values of options: text to what it names, or what was expected instead.
 
 use microsim_host::assemble::{Input, Isolate};
-use microsim_settings::Override;
+use microsim_settings::{DominantHand, Override};
 use microsim_store::Role;
 use microsim_table::Format;
 use std::path::PathBuf;
@@ -18,9 +18,16 @@ pub fn parse_input(text: &str) -> Result<Input, String> {
             Some(address) if !address.is_empty() => Ok(Input::OpenIgtLink(address.into())),
             _ => Err(format!("no address behind openigtlink:; {known}")),
         },
-        _ if text == "desktop" => Err(format!("mouse and keyboard are not there yet; {known}")),
+        _ if text == "desktop" => Err(format!(
+            "mouse and keyboard are those of a window (`microsim window`); {known}"
+        )),
         _ => Err(format!("unknown source; {known}")),
     }
+}
+
+/// The dominant hand.
+pub fn parse_hand(text: &str) -> Result<DominantHand, String> {
+    DominantHand::from_name(text).ok_or_else(|| "expected left or right".into())
 }
 
 /// Which plugins run in a process of their own.

@@ -1,8 +1,9 @@
 //! The window.
 
-use super::value::{parse_input, parse_level};
+use super::value::{parse_hand, parse_input, parse_level};
 use clap::Args;
 use microsim_host::assemble::Input;
+use microsim_settings::DominantHand;
 use std::path::PathBuf;
 
 /// Smallest window that has room for all of a screen.
@@ -32,6 +33,9 @@ pub struct WindowArgs {
     /// What moves the instruments: desktop (mouse and keyboard), openigtlink://HOST:PORT (a tracker), script:FILE, recording:FILE or plugin:NAME
     #[arg(long, value_name = "SOURCE", default_value = "desktop", value_parser = parse_window_input)]
     pub input: Input,
+    /// Dominant hand of who trains, which the window can change: for the left one levels are shown mirrored [default: `dominant` of config/translator.toml]
+    #[arg(long, value_name = "HAND", value_parser = parse_hand)]
+    pub hand: Option<DominantHand>,
     /// Session to replay: its file, or the name under which a run has recorded it
     #[arg(long, value_name = "SESSION", conflicts_with_all = ["module", "input"])]
     pub replay: Option<PathBuf>,
@@ -51,6 +55,7 @@ impl Default for WindowArgs {
             variant: None,
             trainee: None,
             input: Input::Desktop,
+            hand: None,
             replay: None,
             lang: None,
             size: [1280.0, 720.0],

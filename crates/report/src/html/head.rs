@@ -128,6 +128,16 @@ fn banners(out: &mut String, report: &Report) {
             "<div class=\"banner {class}\" role=\"alert\"><b>{title}</b> {text}</div>"
         );
     };
+    if session.mirrored {
+        banner(
+            "made",
+            bilingual("Linkshändig.", "Left-handed."),
+            bilingual(
+                "Die Stufe war gespiegelt: Wo ihr Text links sagt, war es rechts.",
+                "The level was mirrored: where its text has left, it was right.",
+            ),
+        );
+    }
     if !session.without.is_empty() {
         banner(
             "stop",

@@ -7,6 +7,12 @@ use serde_json::{Value, json};
 use std::fmt::Debug;
 use std::path::Path;
 
+/// A right-handed trainee with instruments.
+const RIGHT: Trainee = Trainee {
+    dominant: DominantHand::Right,
+    holds_instruments: true,
+};
+
 /// As the value of a set-up, and back.
 fn crossed<T: Serialize + DeserializeOwned>(config: &T) -> T {
     let value = serde_json::to_value(config).expect("plain data");
@@ -85,6 +91,7 @@ fn configurations_cross_unchanged() {
         &Calibration::default(),
         None,
         &level.tool,
+        RIGHT,
     ));
     assert_crosses(&RecorderConfig {
         path: "runs/a.session".into(),
@@ -104,7 +111,8 @@ fn devices_drive_the_tools_that_the_file_says_or_those_of_their_own_names() {
     };
     let driven = |devices: Option<&[String]>| {
         let slots = [slot("left"), slot("right")];
-        let config = TranslatorConfig::new(&translator, &Calibration::default(), devices, &slots);
+        let config =
+            TranslatorConfig::new(&translator, &Calibration::default(), devices, &slots, RIGHT);
         let pairs = config.devices.into_iter().map(|map| (map.name, map.tool));
         pairs.collect::<Vec<_>>()
     };
@@ -129,7 +137,17 @@ fn only_what_is_configured_crosses() {
     let config = |text: &str, devices: Option<&[String]>| {
         let translator = read_translator(text, "translator.toml");
         let translator = translator.expect("a right file").settings;
-        TranslatorConfig::new(&translator, &Calibration::default(), devices, &slots)
+        let trainee = Trainee {
+            dominant: translator.dominant,
+            holds_instruments: true,
+        };
+        TranslatorConfig::new(
+            &translator,
+            &Calibration::default(),
+            devices,
+            &slots,
+            trainee,
+        )
     };
     let value = serde_json::to_value(config("", None)).expect("plain data");
     let keys: Vec<&String> = value.as_object().expect("a table").keys().collect();
@@ -146,7 +164,32 @@ fn only_what_is_configured_crosses() {
             .collect();
         pairs.sort_unstable();
         assert_eq!(pairs, [("left", "right"), ("right", "left")]);
+        assert!(config.mirrored && config.dominant == DominantHand::Left);
     }
+
+    // A script moves in the level's own field, whoever is shown a mirrored picture.
+    let script = Trainee {
+        dominant: DominantHand::Left,
+        holds_instruments: false,
+    };
+    let plain = read_translator("", "translator.toml").expect("nothing");
+    let config = TranslatorConfig::new(
+        &plain.settings,
+        &Calibration::default(),
+        Some(&devices[..]),
+        &slots,
+        script,
+    );
+    assert_eq!(
+        (config.dominant, config.mirrored),
+        (DominantHand::Left, false)
+    );
+    assert!(
+        config
+            .devices
+            .iter()
+            .all(|device| device.name == device.tool)
+    );
 
     // By hand: 38 mm of the field over 420 mm of the box.
     let boxed = config(
@@ -226,8 +269,13 @@ fn markers_make_up_a_device() {
         model: "probe".into(),
     }];
     let devices = ["a", "b", "c"].map(String::from);
-    let config =
-        TranslatorConfig::new(&translator, &Calibration::default(), Some(&devices), &slots);
+    let config = TranslatorConfig::new(
+        &translator,
+        &Calibration::default(),
+        Some(&devices),
+        &slots,
+        RIGHT,
+    );
     assert_eq!(config.devices.len(), 1);
     assert_eq!(
         (&config.devices[0].name[..], config.markers.len()),
@@ -253,7 +301,12 @@ fn the_dominant_hand_and_boxes_are_named() {
         name: "left".into(),
         model: "forceps".into(),
     }];
-    let config = TranslatorConfig::new(&translator, &Calibration::default(), None, &tools);
+    let trainee = Trainee {
+        dominant: translator.dominant,
+        holds_instruments: true,
+    };
+    let config = TranslatorConfig::new(&translator, &Calibration::default(), None, &tools, trainee);
+    assert!(config.mirrored);
     let parts = translator_parts(&translator, &config, Path::new("calibration.toml"));
     let named: Vec<_> = parts.iter().map(|p| (p.what, p.name.as_str())).collect();
     assert_eq!(named, [("hand", "left"), ("box", "tracker")]);

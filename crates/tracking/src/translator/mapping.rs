@@ -27,6 +27,8 @@ pub struct Mapping {
     pub tip: [f64; 3],
     /// Where the tool's opening comes from.
     pub opening: Opening,
+    /// Whether the pose in the field is mirrored at its end, x becoming −x: the instrument of a left-handed trainee in a level for right-handed ones.
+    pub mirrored: bool,
 }
 
 /// Where a tool's opening, 0 closed to 1 open, comes from.
@@ -65,6 +67,7 @@ impl Mapping {
             body_from_tool: [0.0, 0.0, 0.0, 1.0],
             tip: [0.0; 3],
             opening: Opening::DEVICE,
+            mirrored: false,
         }
     }
 }

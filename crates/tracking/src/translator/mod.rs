@@ -348,9 +348,23 @@ fn in_field(mapping: &Mapping, tip: [f64; 3], device_from_body: [f64; 4]) -> Pos
     let from_origin = std::array::from_fn(|i| tip[i] - mapping.device_origin[i]);
     let turned = rotated(mapping.field_from_device, from_origin);
     let field_from_body = product(mapping.field_from_device, device_from_body);
-    Pose {
+    let pose = Pose {
         position: std::array::from_fn(|i| mapping.field_offset[i] + mapping.scale * turned[i]),
         orientation: product(field_from_body, mapping.body_from_tool),
+    };
+    match mapping.mirrored {
+        true => mirrored(&pose),
+        false => pose,
+    }
+}
+
+/// A pose in the mirror x → −x: with M = diag(−1, 1, 1) the position M p and the rotation M R M, which is one again. An instrument that is symmetric in its own
+/// plane x = 0 is then seen as its mirror image.
+fn mirrored(pose: &Pose) -> Pose {
+    let ([px, py, pz], [x, y, z, w]) = (pose.position, pose.orientation);
+    Pose {
+        position: [-px, py, pz],
+        orientation: [x, -y, -z, w],
     }
 }
 

@@ -530,6 +530,18 @@ proptest! {
         prop_assert!((found - expected).abs() <= 2.0 * tolerance * (4.0 * mapping.scale + 2.0));
     }
 
+    /// In the mirror M = diag(−1, 1, 1) the tip is M p, and a direction v of the tool points where M R M v does.
+    #[test]
+    fn a_mirrored_pose_is_the_mirror_image(mapping in any_mapping(), point in any_point(), turn in any_orientation(), v in any_point()) {
+        let mirror = |[x, y, z]: [f64; 3]| [-x, y, z];
+        let sample = sample(0.0, point, turn);
+        let pose = pose_of(&mapping, &sample);
+        let seen = pose_of(&Mapping { mirrored: true, ..mapping }, &sample);
+        prop_assert_eq!(seen.position, mirror(pose.position));
+        let expected = mirror(turned(pose.orientation, mirror(v)));
+        prop_assert!(close(turned(seen.orientation, v), expected, 64.0 * f64::EPSILON * (1.0 + length(v))));
+    }
+
     #[test]
     fn origin_goes_to_the_offset(mapping in any_mapping()) {
         let pose = pose_of(&mapping, &sample(0.0, mapping.device_origin, IDENTITY));
