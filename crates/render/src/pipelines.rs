@@ -36,7 +36,7 @@ pub(crate) struct Pipelines {
     masked: Option<Masked>,
     /// By the layout's number less one.
     pub compose: Vec<wgpu::RenderPipeline>,
-    /// Whether they are those of mirrored pictures, in which outer sides run round the other way.
+    /// Whether they are those of mirrored pictures, in which the corners of outer sides run clockwise.
     pub mirrored: bool,
 }
 

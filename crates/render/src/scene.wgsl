@@ -31,6 +31,11 @@ fn projected(position: vec3f) -> vec4f {
     return vec4f(across * scene.lens.x, position.y * scene.lens.y * scene.lens.z, ahead - scene.lens.w, ahead);
 }
 
+// A direction as it appears on the screen: lamps and room stay where they are in a mirrored picture.
+fn on_screen(direction: vec3f) -> vec3f {
+    return direction * vec3f(sign(scene.lens.x), 1.0, 1.0);
+}
+
 // 1 inside, 0 outside, a soft edge over the outermost hundredth, and the fall-off of the lamp towards it.
 fn field_mask(pixel: vec2f) -> f32 {
     let radius = distance(pixel, scene.field.xy) / scene.field.z;

@@ -299,13 +299,16 @@ fn glint(normal: vec3f, to_eye: vec3f, to_light: vec3f, roughness: f32, f0: vec3
     return fresnel * (a2 / (3.14159265 * d * d) * shading * nl);
 }
 
-// Light from direction `toward` as polished steel mirrors it: the dark room at the side, the lit ring of the microscope overhead, below it the field.
-fn surroundings(toward: vec3f) -> f32 {
-    let overhead = 0.03 + 0.55 * smoothstep(-0.1, 0.55, toward.z);
-    // Lamps and window of the room.
-    let side = 0.35 * smoothstep(0.55, 0.75, toward.x) * smoothstep(-0.1, 0.3, toward.z);
-    let ring = side + 0.75 * smoothstep(0.66, 0.84, toward.z) * (1.0 - smoothstep(0.93, 0.99, toward.z));
-    return overhead + ring;
+// Light from direction `toward` as steel mirrors it: the microscope overhead with its dark lens in a lit ring, two lamps at the ceiling, the dim walls of the room. It is
+// near: what is mirrored changes along an instrument, whose facets are flat.
+fn surroundings(place: vec3f, toward: vec3f) -> f32 {
+    let seen = on_screen(normalize(toward * 1.6 + 1.1 * place));
+    let room = 0.10 + 0.30 * smoothstep(-0.4, 0.7, seen.z);
+    let ring = 1.10 * smoothstep(0.72, 0.86, seen.z) * (1.0 - 0.55 * smoothstep(0.95, 0.99, seen.z));
+    let left = 0.85 * smoothstep(0.80, 0.90, dot(seen, vec3f(-0.62, 0.38, 0.69)));
+    let right = 0.55 * smoothstep(0.84, 0.93, dot(seen, vec3f(0.80, 0.10, 0.59)));
+    let window = 0.30 * smoothstep(0.55, 0.8, seen.y) * (1.0 - smoothstep(0.2, 0.5, abs(seen.x)));
+    return room + ring + left + right + window;
 }
 
 // Highlights are brighter than a screen: what is above 0.65 is compressed, evenly, towards 1.
@@ -412,19 +415,25 @@ fn shaded(surface: Surface, base: vec3f) -> vec4f {
             // Brushed along its length, fine lines that bend the mirror image.
             let brush = noise(vec3f(rest.x * 28.0, rest.y * 28.0, rest.z * 0.6)) - 0.5;
             let spots = noise(rest * 1.3) - 0.5;
-            normal = normalize(normal + 0.10 * brush * seen(14.0) * cross(normal, vec3f(0.31, 0.59, 0.75)));
-            albedo *= 1.0 + 0.10 * spots;
+            normal = normalize(normal + (0.16 * brush * seen(14.0) + 0.05 * spots) * cross(normal, vec3f(0.31, 0.59, 0.75)));
+            albedo *= 1.0 + 0.08 * spots;
         }
+        // A colour is what matte paint would have: metal mirrors more than that.
+        albedo = min(1.6 * albedo + vec3f(0.03), vec3f(0.9));
         let slope = max(dot(normal, to_light), 0.0);
         let ambient = scene.lamps.x * (0.6 + 0.4 * normal.z) * open;
         let diffuse = ambient + scene.lamps.y * front + scene.lamps.z * slope * lamp;
         let toward = reflect(-to_eye, normal);
-        var mirrored = vec3f(surroundings(toward) * open_lamps);
+        // Little of the room is seen from within a crevice, between jaws for example.
+        var mirrored = vec3f(surroundings(surface.position, toward) * open);
         // The mirror image of the field below.
-        mirrored = mix(mirrored, scene.background.rgb * 1.2 + vec3f(0.05, 0.02, 0.02), smoothstep(0.0, -0.5, toward.z));
-        // Surgical steel is satin, so that it does not dazzle: half of it answers like a matte surface.
-        let shine = glint(normal, to_eye, to_light, 0.34, albedo) * (2.2 * lamp);
-        let colour = albedo * (0.20 * diffuse + 1.05 * mirrored) + shine;
+        mirrored = mix(mirrored, scene.background.rgb * 1.2 + vec3f(0.06, 0.02, 0.02), smoothstep(0.1, -0.4, toward.z));
+        // Metal mirrors all colours alike at grazing angles.
+        let grazing = 1.0 - front;
+        let tint = mix(albedo, vec3f(0.9), 0.6 * grazing * grazing * grazing);
+        // Surgical steel is satin, so that it does not dazzle: a part of it answers like a matte surface.
+        let shine = glint(normal, to_eye, to_light, 0.30, albedo) * (2.6 * lamp);
+        let colour = tint * (0.12 * diffuse + 1.15 * mirrored * (0.55 + 0.45 * lamp)) + shine;
         return vec4f(toned(colour) * mask, surface.colour.a);
     }
 
@@ -447,11 +456,17 @@ fn shaded(surface: Surface, base: vec3f) -> vec4f {
     // The film of water is smoother than the tissue below.
     let coat = normalize(mix(normal, smooth_normal, 0.45));
     let water = vec3f(0.03);
-    var shine = glint(coat, to_eye, to_light, look.roughness, water) * (7.0 * lamp);
-    shine += glint(coat, to_eye, normalize(vec3f(0.10, 0.06, 1.0)), look.roughness + 0.08, water) * (1.4 * open);
+    var shine = glint(coat, to_eye, to_light, look.roughness, water) * (4.0 * lamp);
+    shine += glint(coat, to_eye, normalize(on_screen(vec3f(0.10, 0.06, 1.0))), look.roughness + 0.08, water) * (1.4 * open);
+    if FAMILY == 3u {
+        // Small bright points where the film is curved: the lamp itself, and the ring about the lens.
+        let drops = normalize(mix(normal, smooth_normal, 0.15));
+        shine += glint(drops, to_eye, to_light, 0.5 * look.roughness, water) * (2.2 * lamp);
+        shine += glint(drops, to_eye, normalize(on_screen(vec3f(-0.22, 0.10, 1.0))), 0.5 * look.roughness, water) * (0.8 * open);
+    }
     let grazing = 1.0 - max(dot(coat, to_eye), 0.0);
     let rim = grazing * grazing * grazing;
-    shine += vec3f(0.10 * rim * open * surroundings(reflect(-to_eye, coat)));
+    shine += vec3f(0.22 * rim * open * surroundings(surface.position, reflect(-to_eye, coat)));
     colour += shine * look.wet;
     return vec4f(toned(colour) * mask, surface.colour.a);
 }

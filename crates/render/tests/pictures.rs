@@ -359,8 +359,10 @@ fn translucent_item_mixes_and_casts_no_shadow() {
     );
 }
 
-/// A mirrored picture is that of the mirrored arrangement under the same lamp, for each eye of a pair, too: of balls, a rod and a closed metal box it is drawn by putting
-/// each on the other side. Edges may fall on the other side of a pixel's middle: fewer than one pixel in a thousand differs by more than rounding.
+/// A mirrored picture is that of the mirrored arrangement under the same lamps, for each eye of a pair, too: of balls, a rod and a closed metal box it is drawn by putting
+/// each on the other side. Low quality has no noise: only where a shadow ends, whose filter is not mirrored, may pixels differ by more than rounding, along edges of
+/// 220 (ball), 340 (rod) and 100 pixels (box); with its lamp on the wrong side the shadow of the ball alone would differ by 700. The noise of higher qualities, which is not
+/// mirrored either, is even on the mean: pictures differ by less than a level in 255.
 #[test]
 fn a_mirrored_picture_is_that_of_the_mirrored_arrangement() {
     let Some(mut renderer) = renderer() else {
@@ -386,7 +388,10 @@ fn a_mirrored_picture_is_that_of_the_mirrored_arrangement() {
             block.at([side * 3.0e-3, 4.0e-3, 1.0e-3], turn),
         ]
     };
-    for layout in [StereoLayout::Mono, StereoLayout::SideBySide] {
+    let layouts = [StereoLayout::Mono, StereoLayout::SideBySide];
+    let all = layouts.map(|layout| [Quality::Low, Quality::High].map(|quality| (layout, quality)));
+    for (layout, quality) in all.into_iter().flatten() {
+        renderer.set_quality(quality);
         let stereo = Stereo {
             layout,
             ..Stereo::default()
@@ -403,14 +408,22 @@ fn a_mirrored_picture_is_that_of_the_mirrored_arrangement() {
             moved != drawn(1.0, false, &mut renderer),
             "it is not symmetric"
         );
-        let pixels = mirrored
+        let differences: Vec<u8> = mirrored
             .rgba8()
+            .iter()
+            .zip(moved.rgba8())
+            .map(|(a, b)| a.abs_diff(*b))
+            .collect();
+        let mean =
+            differences.iter().map(|d| f64::from(*d)).sum::<f64>() / differences.len() as f64;
+        assert!(mean < 1.0, "{layout:?}, {quality:?}: {mean}");
+        let off = differences
             .chunks_exact(4)
-            .zip(moved.rgba8().chunks_exact(4));
-        let off = pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 3));
-        let off = off.count();
+            .filter(|pixel| pixel.iter().any(|d| *d > 3))
+            .count();
+        let is_even = off < 660;
         assert!(
-            off < (SIDE * SIDE / 1000) as usize,
+            is_even || quality == Quality::High,
             "{layout:?}: {off} pixels"
         );
     }

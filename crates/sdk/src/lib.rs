@@ -24,6 +24,7 @@
 //! | tissue: marks that move with it, grips, cuts, pieces, rings, sections, normals | module [`tissue`] |
 //! | trays, directions, paths | [`Tray`], [`axis`], [`turned_to`], [`shortest_path`] |
 //! | where the parts of a tool are, and what passes between its jaws | [`ToolShape`], [`Mouth`], module [`geometry`] |
+//! | what the trainee sees | [`Microscope`] |
 //! | random numbers that can be saved | [`RandomStream`] |
 //! | an error, as one sentence for a person | [`Fault`] |
 //! | samples of a file as an input source | [`Playback`] |
@@ -47,6 +48,7 @@ mod exercise;
 mod fault;
 mod level_rules;
 mod level_run;
+mod microscope;
 mod panic;
 mod parallel;
 mod playback;
@@ -63,13 +65,14 @@ pub use direction::{axis, turned_to};
 pub use exercise::{Exercise, Training};
 pub use fault::Fault;
 pub use level_run::LevelRun;
+pub use microscope::Microscope;
 pub use microsim_bus::{BlockBuilder, BlockView, KindInfo, Overflow, kind_id as name_id};
 #[doc(inline)]
 pub use microsim_geometry as geometry;
 #[doc(inline)]
 pub use microsim_message as message;
 pub use microsim_message::{LogLevel, Setup};
-pub use microsim_settings::{ModuleConfig, Object, Shape};
+pub use microsim_settings::{ModuleConfig, Object, Shape, View};
 pub use parallel::Parallel;
 pub use playback::Playback;
 pub use plugin::{Plugin, Services};

@@ -17,7 +17,7 @@ use crate::translator::{
     ClutchMap, DeviceMap, DominantHand, Filter, Hand, MarkerTool, OpeningName, OpeningSource,
     Translator,
 };
-use microsim_vocabulary::Finish;
+use microsim_vocabulary::{Finish, MICROSCOPE_VIEW};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -304,11 +304,15 @@ pub struct ModuleConfig {
     /// The level's rigid obstacles.
     #[serde(default)]
     pub rigid: Vec<Rigid>,
+    /// How the level sets the microscope, for a module that follows it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub view: Option<View>,
 }
 
 impl ModuleConfig {
     /// Of a level and the manifest of its module.
     pub fn new(level: &Level, manifest: &Manifest, models: &ToolModels) -> Self {
+        let follows = |kind: &str| manifest.subscribes.iter().any(|other| other == kind);
         Self {
             tools: level.tool.clone(),
             models: models.clone(),
@@ -320,6 +324,7 @@ impl ModuleConfig {
             objects: level.object.clone(),
             bodies: level.body.iter().map(|body| body.name.clone()).collect(),
             rigid: level.rigid.clone(),
+            view: follows(MICROSCOPE_VIEW).then_some(level.view),
         }
     }
 

@@ -54,18 +54,12 @@ table! {
 
 terms! {
     /// A hand.
+    #[derive(Default)]
     pub enum DominantHand {
-        /// The right one.
-        Right = "right",
+        /// The right one, for which levels are made.
+        Right = "right" default,
         /// The left one.
         Left = "left",
-    }
-}
-
-impl Default for DominantHand {
-    /// For whom levels are made.
-    fn default() -> Self {
-        Self::Right
     }
 }
 

@@ -141,3 +141,6 @@ terms! {
         RedCyan = "red-cyan",
     }
 }
+
+/// Kind of the messages by which a trainee sets the microscope.
+pub const MICROSCOPE_VIEW: &str = "microscope.view";

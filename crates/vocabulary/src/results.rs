@@ -27,6 +27,8 @@ terms! {
         Handling = "handling",
         /// Tissue treatment: what the tissue had to bear.
         Tissue = "tissue",
+        /// Microscope: whether what is worked on is seen.
+        Microscope = "microscope",
     }
 }
 
@@ -38,6 +40,7 @@ impl Category {
             Self::Efficiency => LocalText::fixed("Effizienz", "Efficiency"),
             Self::Handling => LocalText::fixed("Instrumentenführung", "Instrument handling"),
             Self::Tissue => LocalText::fixed("Gewebebehandlung", "Tissue treatment"),
+            Self::Microscope => LocalText::fixed("Mikroskop", "Microscope"),
         }
     }
 }

@@ -15,8 +15,8 @@ use hand::{Held, look};
 use microsim_sdk::message::{Colour, LocalText, ObjectSet, Pose, ToolStates, ToolStatus};
 use microsim_sdk::tissue::{colour, mark_colour};
 use microsim_sdk::{
-    Exercise, Fault, LevelRun, ModuleConfig, Object, Setup, Shape, Tick, ToolShape, Training,
-    export_plugin, turned_to,
+    Exercise, Fault, LevelRun, Microscope, ModuleConfig, Object, Setup, Shape, Tick, ToolShape,
+    Training, View, export_plugin, turned_to,
 };
 use microsim_training::{Dwell, DwellState};
 use serde::{Deserialize, Serialize};
@@ -64,6 +64,10 @@ pub struct State {
     /// Number of ticks with the wire between the jaws of the tool whose turn it is, sums of its distance from their middle \[m\] and of
     /// its angle to the normal of their plane \[rad\].
     guided: (u64, f64, f64),
+    /// The microscope as it is set.
+    microscope: Microscope,
+    /// Times in which the wire was guided out of view, and out of focus \[s\], and the sum of the magnification over the ticks in which it was guided.
+    seen: (f64, f64, f64),
     /// Colours of the links, by the numbers of [`shown`].
     colours: Vec<u8>,
 }
@@ -86,6 +90,8 @@ pub struct GuidePath {
     /// Half the length of a post \[m\].
     post: f64,
     tools: Vec<(String, ToolShape)>,
+    /// How the level sets the microscope.
+    view: View,
 }
 
 /// The plugin of this module.
@@ -208,6 +214,7 @@ impl GuidePath {
         let guides = near.is_some();
         if let (true, Some((place, passage))) = (index == turn, near) {
             let (n, distances, angles) = state.guided;
+            self.watch(state, run, held, tick);
             state.guided = (
                 n + 1,
                 distances + passage.off_centre,
@@ -231,6 +238,23 @@ impl GuidePath {
         state.hands[index].guides = guides;
         state.hands[index].last = Some(held);
         found.touched
+    }
+
+    /// Whether the trainee sees the tips that guide the wire.
+    fn watch(&self, state: &mut State, run: &mut LevelRun, held: Held, tick: &mut Tick<'_>) {
+        let (out_of_view, out_of_focus, magnification) = &mut state.seen;
+        *magnification += state.microscope.magnification();
+        let tip = held.pose.position;
+        if !state.microscope.shows(tip) {
+            if *out_of_view == 0.0 {
+                let text = LocalText::fixed("Spitzen außerhalb des Bildes", "Tips out of view");
+                run.event(tick, "out-of-view", text);
+            }
+            *out_of_view += tick.length();
+        }
+        if !state.microscope.is_sharp(tip) {
+            *out_of_focus += tick.length();
+        }
     }
 
     /// Colours of the links that have changed.
@@ -286,6 +310,9 @@ impl Exercise for GuidePath {
             wire: wire_of(setup.seed, &config.objects, &keys)?,
             post: 0.5 * post,
             tools: tools.collect::<Result<_, Fault>>()?,
+            view: config
+                .view
+                .ok_or_else(|| Fault::new("the manifest does not subscribe to microscope.view"))?,
             keys,
         };
         let mut targets: Vec<String> = (0..exercise.sections()).map(section).collect();
@@ -306,6 +333,8 @@ impl Exercise for GuidePath {
             losses: 0,
             wide: 0.0,
             guided: (0, 0.0, 0.0),
+            microscope: Microscope::new(self.view),
+            seen: (0.0, 0.0, 0.0),
             colours: vec![0; self.wire.len()],
         })
     }
@@ -344,6 +373,7 @@ impl Exercise for GuidePath {
         run: &mut LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
+        state.microscope.update(tick)?;
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         if run.is_running() {
             let mut touched = Vec::new();
@@ -386,7 +416,11 @@ impl Exercise for GuidePath {
         run.measure("touch-time", state.touch_time);
         run.measure("losses", f64::from(state.losses));
         run.measure("wide-time", state.wide);
+        let (out_of_view, out_of_focus, magnification) = state.seen;
+        run.measure("out-of-view", out_of_view);
+        run.measure("out-of-focus", out_of_focus);
         if let (n @ 1.., distances, angles) = state.guided {
+            run.measure("magnification", magnification / n as f64);
             run.measure("off-centre", distances / n as f64);
             run.measure("askew", angles / n as f64);
         }

@@ -5,7 +5,8 @@ use microsim_host::assemble::known_metrics;
 use microsim_module_guide_path::{Keys, Module, Wire, wire_of};
 use microsim_sdk::TestHost;
 use microsim_sdk::message::{
-    LevelControl, LevelEvent, Pose, ToolState, ToolStates, ToolStatus, TrainingResult,
+    LevelControl, LevelEvent, MicroscopeView, Pose, ToolState, ToolStates, ToolStatus,
+    TrainingResult,
 };
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::path::Path;
@@ -20,6 +21,8 @@ struct Bench {
     host: TestHost<Module>,
     wire: Wire,
     tools: Vec<String>,
+    /// Of all tools.
+    opening: f64,
 }
 
 /// A level, started.
@@ -45,6 +48,7 @@ fn bench(number: u32) -> Bench {
             .iter()
             .map(|tool| tool.name.clone())
             .collect(),
+        opening: OPENING,
     }
 }
 
@@ -73,7 +77,7 @@ impl Bench {
                 None => ToolStatus::Occluded,
             },
             pose: pose.unwrap_or_default(),
-            opening: OPENING,
+            opening: self.opening,
         });
         self.host.send(&ToolStates {
             tools: tools.collect(),
@@ -224,4 +228,39 @@ fn who_never_takes_the_wire_misses_the_targets() {
     let result = bench.host.end();
     assert_eq!((result.targets_done, result.score), (0, 0.0));
     assert_eq!(result.failed, ["targets-missed"]);
+}
+
+/// Guided at the same pace, at 40 times: of the wire's 16 mm a field of 5 mm shows less than a third, for a third of the time. The 3 s that give no points
+/// are 375 ticks, and 160 steps of 0.1 mm that are each held for four ticks take 5.1 s.
+#[test]
+fn whoever_magnifies_and_leaves_the_field_fails_for_that() {
+    let guided = |view: Option<MicroscopeView>| {
+        let mut bench = bench(3);
+        // About 1.3 mm between the jaws, of the 1.6 mm that are allowed.
+        bench.opening = 0.36;
+        view.iter().for_each(|view| bench.host.send(view));
+        let length = bench.wire.length();
+        let steps = (length / STEP).ceil() as usize * 4;
+        (0..=steps).find_map(|step| {
+            let pose = bench.around(length * step as f64 / steps as f64, 0.0, 0.0);
+            bench.tick(&[Some(pose)]).1
+        })
+    };
+    let seen = guided(None).expect("the verdict");
+    assert!(seen.passed, "{:?}", seen.failed);
+    assert_eq!(metric(&seen, "out-of-view"), 0.0);
+    // The level's field of 18 mm, of 200 mm.
+    assert!((metric(&seen, "magnification") - 200.0 / 18.0).abs() < 1e-9);
+
+    let near = MicroscopeView {
+        centre: [0.0; 3],
+        field: 0.005,
+    };
+    let unseen = guided(Some(near)).expect("the verdict");
+    assert!(!unseen.passed);
+    assert_eq!(unseen.failed, ["out-of-view"]);
+    assert!(metric(&unseen, "out-of-view") > 3.0);
+    assert!((metric(&unseen, "magnification") - 40.0).abs() < 1e-9);
+    // The depth that is sharp is less than at 11 times.
+    assert!(metric(&unseen, "out-of-focus") > metric(&seen, "out-of-focus"));
 }

@@ -1,14 +1,14 @@
 //! Pictures of the microscope's field, off-screen: a thin adapter over the crate `render`. It reads the latest
-//! objects, tools and tissue, and writes a PNG file when the host asks for one. It publishes nothing.
+//! objects, tools and tissue, and writes a PNG file when the host asks for one, as the microscope was set. It publishes nothing.
 //!
 //! The graphics driver is looked for at the first call; without one the plugin reports that and the run goes on.
 
 #![forbid(unsafe_code)]
 
 use microsim_gpu::Gpu;
-use microsim_render::{Models, Picture, Quality, Renderer, snapshot};
+use microsim_render::{Models, Picture, Quality, Renderer, View, snapshot};
 use microsim_sdk::message::{
-    ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT, ToolPlacements,
+    MicroscopeView, ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT, ToolPlacements,
     ToolStates,
 };
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
@@ -37,6 +37,9 @@ impl PictureRenderer {
         let blocks = kinds.into_iter().flat_map(|kind| tick.blocks(kind));
         let mut picture = snapshot::picture(config, &objects, &tools, placements.as_ref(), blocks);
         picture.items.extend(models.items(&objects));
+        if let Some(MicroscopeView { centre, field }) = tick.latest()? {
+            picture.view = View::of_microscope(centre, field, config.view.tilt);
+        }
         Ok(picture)
     }
 }

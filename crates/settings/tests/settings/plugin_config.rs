@@ -173,7 +173,7 @@ fn only_what_is_configured_crosses() {
         holds_instruments: false,
     };
     let plain = read_translator("", "translator.toml").expect("nothing");
-    let config = TranslatorConfig::new(
+    let shown = TranslatorConfig::new(
         &plain.settings,
         &Calibration::default(),
         Some(&devices[..]),
@@ -181,11 +181,11 @@ fn only_what_is_configured_crosses() {
         script,
     );
     assert_eq!(
-        (config.dominant, config.mirrored),
+        (shown.dominant, shown.mirrored),
         (DominantHand::Left, false)
     );
     assert!(
-        config
+        shown
             .devices
             .iter()
             .all(|device| device.name == device.tool)
