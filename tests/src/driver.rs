@@ -29,7 +29,14 @@ impl Driver {
         fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
         let library = folder.join("liblose_device.so");
         let mut compiler = Command::new("cc");
-        compiler.args(["-shared", "-fPIC", "-fvisibility=hidden", "-O1", "-Wall", "-Werror"]);
+        compiler.args([
+            "-shared",
+            "-fPIC",
+            "-fvisibility=hidden",
+            "-O1",
+            "-Wall",
+            "-Werror",
+        ]);
         compiler.arg(repository().join("tests/peers/lost_device/layer.c"));
         done(compiler.arg("-o").arg(&library))?;
         let manifest = serde_json::json!({
