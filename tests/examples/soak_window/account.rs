@@ -99,7 +99,7 @@ impl Watch {
 pub struct Shown {
     pub module: String,
     pub level: u32,
-    /// Length of a tick \[ms\].
+    /// Length of a tick \[ms\]: simulated time over ticks.
     pub tick: f64,
     pub values: BTreeMap<String, String>,
 }
@@ -171,17 +171,17 @@ pub fn shown(log: &str, sessions: &BTreeSet<PathBuf>) -> Result<Vec<Shown>, Stri
         let pairs = line
             .split_whitespace()
             .filter_map(|word| word.split_once('='));
-        Shown {
+        let pairs =
+            pairs.map(|(name, value)| (name.to_owned(), value.trim_matches('"').to_owned()));
+        let mut run = Shown {
             module,
             level,
-            tick: 1e3
-                * report_beside(path)["session"]["tick_s"]
-                    .as_f64()
-                    .unwrap_or(f64::NAN),
-            values: pairs
-                .map(|(name, value)| (name.to_owned(), value.trim_matches('"').to_owned()))
-                .collect(),
-        }
+            tick: f64::NAN,
+            values: pairs.collect(),
+        };
+        let simulated = report_beside(path)["simulated"].as_f64();
+        run.tick = 1e3 * simulated.unwrap_or(f64::NAN) / run.number("ticks");
+        run
     };
     Ok(lines.into_iter().zip(begun).map(of).collect())
 }

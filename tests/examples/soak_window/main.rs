@@ -29,7 +29,7 @@ const REPLAYED: u64 = 5;
 
 /// What happens in the middle of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event {
+enum Event {
     Resized,
     Minimised,
     Unmapped,
@@ -53,18 +53,18 @@ const EVENTS: [Event; 8] = [
 
 /// What came of it.
 #[derive(Debug)]
-pub struct Soak {
-    pub minutes: f64,
-    pub seed: u64,
+struct Soak {
+    minutes: f64,
+    seed: u64,
     /// Module and level of each slot, and what happened in its middle.
-    pub slots: Vec<(String, u32, Event)>,
-    pub shown: Vec<Shown>,
-    pub memory: Memory,
-    pub sessions: usize,
-    pub replayed: usize,
+    slots: Vec<(String, u32, Event)>,
+    shown: Vec<Shown>,
+    memory: Memory,
+    sessions: usize,
+    replayed: usize,
     /// Size of all recordings \[bytes\].
-    pub recorded: u64,
-    pub faults: Vec<String>,
+    recorded: u64,
+    faults: Vec<String>,
 }
 
 /// All levels, with the place of their module in the launcher.

@@ -117,11 +117,6 @@ impl<'a> Player<'a> {
         files(&self.sessions, "session")
     }
 
-    /// Those of which there is a report.
-    fn ended(&self) -> BTreeSet<PathBuf> {
-        files(&self.sessions, "html")
-    }
-
     fn until<T>(&self, what: &str, seen: impl Fn() -> Option<T>) -> Result<T, String> {
         let start = Instant::now();
         loop {
