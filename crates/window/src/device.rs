@@ -4,13 +4,20 @@
 
 use crate::look;
 use eframe::egui::layers::ShapeIdx;
-use eframe::egui::{self, LayerId, Ui, ViewportCommand};
-use eframe::{CreationContext, NativeOptions};
+use eframe::egui::{self, LayerId, Ui};
+use eframe::{CreationContext, EframeWinitApplication, NativeOptions, UserEvent};
+use microsim_gpu::Gpu;
 use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::event::{DeviceEvent, DeviceId, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::platform::run_on_demand::EventLoopExtRunOnDemand as _;
+use winit::window::WindowId;
 
 /// A device that is lost this often within [`WHILE`] will be lost again: that is no accident.
 const MOST_LOSSES: usize = 3;
@@ -78,6 +85,8 @@ pub fn run<S: Shown>(
     mut options: NativeOptions,
     make: impl FnOnce(&CreationContext<'_>) -> Result<S, String>,
 ) -> Result<(), Fault> {
+    let event_loop = EventLoop::<UserEvent>::with_user_event().build();
+    let mut event_loop = event_loop.map_err(|error| Fault::NotOpened(error.to_string()))?;
     let mut make = Some(make);
     let shown = Rc::new(RefCell::new(None::<S>));
     let mut losses = Losses::default();
@@ -87,21 +96,40 @@ pub fn run<S: Shown>(
         let create = |context: &CreationContext<'_>| {
             watch(context);
             let mut slot = shown.borrow_mut();
-            match (&mut *slot, &lost, make.take()) {
-                (Some(shown), Some(why), _) => shown.take(context, why)?,
-                (_, _, Some(make)) => *slot = Some(make(context)?),
+            let made = match (&mut *slot, &lost, make.take()) {
+                (Some(shown), Some(why), _) => shown.take(context, why),
+                (_, _, Some(make)) => make(context).map(|made| *slot = Some(made)),
                 _ => unreachable!("what is shown is made once and lost later"),
-            }
+            };
             drop(slot);
+            state.borrow_mut().refused = made.as_ref().err().cloned();
+            made?;
             let (shown, state) = (Rc::clone(&shown), Rc::clone(&state));
             Ok(Box::new(Window { shown, state }) as Box<dyn eframe::App>)
         };
-        let ended = eframe::run_native("MicroSim", options.clone(), Box::new(create));
+        let mut host = Host {
+            window: eframe::create_native(
+                "MicroSim",
+                options.clone(),
+                Box::new(create),
+                &event_loop,
+            ),
+            state: Rc::clone(&state),
+        };
+        let ended = event_loop.run_app_on_demand(&mut host);
+        let_go(host);
         let state = state.take();
+        // A window that never showed anything did not open.
+        let ended = match (ended, state.refused, state.has_opened) {
+            (Err(error), ..) => Err(error.to_string()),
+            (Ok(()), Some(why), _) => Err(why),
+            (Ok(()), None, false) => Err(unopened()),
+            (Ok(()), None, true) => Ok(()),
+        };
         let again = match (ended, state.lost, &lost) {
             (Ok(()), None, _) => return Ok(()),
-            (Err(error), None, None) => return Err(Fault::NotOpened(error.to_string())),
-            (Err(error), None, Some(_)) => Some(error.to_string()),
+            (Err(error), None, None) => return Err(Fault::NotOpened(error)),
+            (Err(error), None, Some(_)) => Some(error),
             (_, Some(why), _) => {
                 tracing::warn!("the graphics driver lost its device: {why}");
                 let is_hopeless = losses.add(Instant::now());
@@ -119,6 +147,102 @@ pub fn run<S: Shown>(
             options.viewport.inner_size = Some(size);
         }
         options.viewport.fullscreen = state.full_screen.or(options.viewport.fullscreen);
+    }
+}
+
+/// Hands on to a window what happens, until its device is lost: from then on it is not asked for anything any more.
+struct Host<'a> {
+    window: EframeWinitApplication<'a>,
+    state: Rc<RefCell<State>>,
+}
+
+impl Host<'_> {
+    fn hand_on(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        event: impl FnOnce(&mut EframeWinitApplication<'_>),
+    ) {
+        let is_lost = |state: &RefCell<State>| state.borrow().lost.is_some();
+        if !is_lost(&self.state) {
+            event(&mut self.window);
+        }
+        if is_lost(&self.state) {
+            event_loop.exit();
+        }
+    }
+}
+
+impl ApplicationHandler<UserEvent> for Host<'_> {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        self.hand_on(event_loop, |window| window.resumed(event_loop));
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, id: WindowId, event: WindowEvent) {
+        self.hand_on(event_loop, |window| {
+            window.window_event(event_loop, id, event)
+        });
+    }
+
+    fn new_events(&mut self, event_loop: &ActiveEventLoop, cause: StartCause) {
+        self.hand_on(event_loop, |window| window.new_events(event_loop, cause));
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, event: UserEvent) {
+        self.hand_on(event_loop, |window| window.user_event(event_loop, event));
+    }
+
+    fn device_event(&mut self, event_loop: &ActiveEventLoop, id: DeviceId, event: DeviceEvent) {
+        self.hand_on(event_loop, |window| {
+            window.device_event(event_loop, id, event)
+        });
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.hand_on(event_loop, |window| window.about_to_wait(event_loop));
+    }
+
+    fn suspended(&mut self, event_loop: &ActiveEventLoop) {
+        self.hand_on(event_loop, |window| window.suspended(event_loop));
+    }
+
+    fn exiting(&mut self, event_loop: &ActiveEventLoop) {
+        self.hand_on(event_loop, |window| window.exiting(event_loop));
+    }
+
+    fn memory_warning(&mut self, event_loop: &ActiveEventLoop) {
+        self.hand_on(event_loop, |window| window.memory_warning(event_loop));
+    }
+}
+
+/// Drops a window. wgpu panics where the device was lost between the begin of a picture and its end: it cannot give that picture back. Nothing is wrong then with anything else, so that
+/// this panic is neither printed nor handed on.
+fn let_go(host: Host<'_>) {
+    let is_lost = host.state.borrow().lost.is_some();
+    if !is_lost {
+        return;
+    }
+    let printed: Arc<dyn Fn(&PanicHookInfo<'_>) + Send + Sync> = Arc::from(panic::take_hook());
+    let (here, others) = (std::thread::current().id(), Arc::clone(&printed));
+    panic::set_hook(Box::new(move |info| {
+        if std::thread::current().id() != here {
+            others(info);
+        }
+    }));
+    let dropped = panic::catch_unwind(AssertUnwindSafe(move || drop(host)));
+    panic::set_hook(Box::new(move |info| printed(info)));
+    if dropped.is_err() {
+        tracing::warn!("the picture that was being drawn on the lost device was left behind");
+    }
+}
+
+/// Why a window did not open that had a display; eframe tells the log alone.
+fn unopened() -> String {
+    match Gpu::off_screen() {
+        Err(error) => error.to_string(),
+        Ok(gpu) => format!(
+            "the graphics driver of {:?} opened no window (the log has its reason)",
+            gpu.adapter_name()
+        ),
     }
 }
 
@@ -161,6 +285,10 @@ fn clear(context: &egui::Context) {
 #[derive(Debug, Default)]
 struct State {
     lost: Option<String>,
+    /// Why what is shown could not take the device.
+    refused: Option<String>,
+    /// Whether anything was shown.
+    has_opened: bool,
     size: Option<egui::Vec2>,
     full_screen: Option<bool>,
 }
@@ -180,6 +308,7 @@ impl<S: Shown> eframe::App for Window<S> {
             shown.show(ui);
         }
         let mut state = self.state.borrow_mut();
+        state.has_opened = true;
         ui.input(|input| {
             let viewport = input.viewport();
             state.size = viewport.inner_rect.map(|rect| rect.size()).or(state.size);
@@ -190,8 +319,6 @@ impl<S: Shown> eframe::App for Window<S> {
             state.lost = Some(why);
             // Nothing is left to be drawn: egui's renderer panics where it has no memory of the device for it.
             clear(ui.ctx());
-            ui.send_viewport_cmd(ViewportCommand::Close);
-            ui.ctx().request_repaint();
         }
     }
 

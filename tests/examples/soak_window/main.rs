@@ -251,7 +251,7 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     let sessions = player.begun();
     // As a desktop closes a window: the last session ends with it.
     if let Ok(id) = player.focus() {
-        let _ = display.ask(&["windowclose", &id]);
+        let _ = display.ask(&["windowquit", &id]);
     }
     let start = Instant::now();
     while window.0.try_wait().map_err(failed)?.is_none()

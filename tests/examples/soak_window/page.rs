@@ -32,7 +32,11 @@ fn is_heavy(run: &Shown) -> bool {
 /// The page, and whether all of it is as it should be.
 pub fn of(soak: &Soak, words: &[String]) -> (String, bool) {
     let mut faults = soak.faults.clone();
-    let sum = |runs: &[&Shown], name: &str| runs.iter().map(|run| run.number(name)).sum::<f64>();
+    let sum = |runs: &[&Shown], name: &str| {
+        runs.iter()
+            .map(|run| run.number(name))
+            .fold(0.0, |sum, n| sum + n)
+    };
     let (heavy, light): (Vec<&Shown>, Vec<&Shown>) =
         soak.shown.iter().partition(|run| is_heavy(run));
     let [ticks, late] = ["ticks", "late"].map(|name| sum(&light, name));

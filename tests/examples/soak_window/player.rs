@@ -158,7 +158,7 @@ impl<'a> Player<'a> {
 
     /// A gesture within the field: it moves, closes, turns, raises, takes the other hand, or does something to the microscope.
     pub fn gesture(&mut self) -> Result<(), String> {
-        let mut random = |most: f64| 2.0 * most * (self.random.number() - 0.5);
+        let mut random = |most: f64| most * self.random.number();
         let [x, y] = [0.5 + random(0.2), 0.5 + random(0.3)];
         let place = [x * self.size[0], y * self.size[1]].map(|v| v.round().to_string());
         let mut words: Vec<String> = vec!["mousemove".into(), place[0].clone(), place[1].clone()];
@@ -172,8 +172,7 @@ impl<'a> Player<'a> {
             add(&["mousedown", button]);
         }
         for _ in 0..12 {
-            let step =
-                [0; 2].map(|_: i32| (40.0 * (self.random.number() - 0.5)).round().to_string());
+            let step = [0; 2].map(|_: i32| (20.0 * self.random.number()).round().to_string());
             add(&[
                 "mousemove_relative",
                 "--",
