@@ -83,7 +83,7 @@ impl Hand<'_> {
     }
 
     fn keys(&self, keys: &[&str]) -> Result<(), String> {
-        let words: Vec<&str> = ["key", "--delay", "200"]
+        let words: Vec<&str> = ["key", "--delay", "350"]
             .iter()
             .chain(keys)
             .copied()
