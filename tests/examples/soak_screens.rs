@@ -32,7 +32,8 @@ const SCREENS: [Screen; 11] = [
     ("launcher", "modules and levels", |_| Ok(())),
     ("settings", "settings", |hand| hand.button(3)),
     ("results", "trainees and results", |hand| {
-        hand.keys(&["Escape", "Escape"])?;
+        hand.button(1)?;
+        hand.wait(1.0);
         hand.button(4)
     }),
     ("results-of-one", "results of a trainee", |hand| {
@@ -187,7 +188,7 @@ fn station() -> Station {
     }
     let course = microsim_tests::tree().join("config/courses/first-steps.toml");
     station
-        .microsim(&["courses", "import", &course.display().to_string()])
+        .microsim(&["courses", "add", &course.display().to_string()])
         .expect(0);
     station
 }

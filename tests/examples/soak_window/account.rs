@@ -149,39 +149,52 @@ fn begin(session: &Path) -> Option<(u64, String, u32)> {
     Some((begin.parse().ok()?, module.into(), level.parse().ok()?))
 }
 
-/// The runs of the log, each with its level: the n-th line is of the n-th session, as one run ends before the next one begins.
-pub fn shown(log: &str, sessions: &BTreeSet<PathBuf>) -> Result<Vec<Shown>, String> {
+/// Milliseconds since 1970 of a moment as the log writes it, such as `2026-11-26T23:07:42.464980Z` (days from the civil calendar after Hinnant 2013).
+fn moment(text: &str) -> Option<u64> {
+    let number = |range: std::ops::Range<usize>| text.get(range)?.parse::<u64>().ok();
+    let [year, month, day] = [number(0..4)?, number(5..7)?, number(8..10)?];
+    let [hours, minutes, seconds, millis] = [
+        number(11..13)?,
+        number(14..16)?,
+        number(17..19)?,
+        number(20..23)?,
+    ];
+    // Years begin in March.
+    let (year, month) = if month > 2 {
+        (year, month - 3)
+    } else {
+        (year - 1, month + 9)
+    };
+    let days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 + day - 1;
+    let days = days.checked_sub(719_468)?;
+    Some((((days * 24 + hours) * 60 + minutes) * 60 + seconds) * 1000 + millis)
+}
+
+/// The runs of the log, each with its level: that of the session that was begun last before its line. One that was left before it was begun to be played has no line.
+pub fn shown(log: &str, sessions: &BTreeSet<PathBuf>) -> Vec<Shown> {
     let mut begun: Vec<_> = sessions
         .iter()
         .filter_map(|path| Some((begin(path)?, path)))
         .collect();
     begun.sort();
-    let lines: Vec<&str> = log
-        .lines()
-        .filter(|line| line.contains("a run was shown"))
-        .collect();
-    if lines.len() != begun.len() {
-        return Err(format!(
-            "the log states {} runs, and {} sessions were begun",
-            lines.len(),
-            begun.len()
-        ));
-    }
-    let of = |(line, ((_, module, level), path)): (&str, ((u64, String, u32), &PathBuf))| {
+    let lines = log.lines().filter(|line| line.contains("a run was shown"));
+    let of = |line: &str| {
+        let now = moment(line)?;
+        let ((_, module, level), path) = begun.iter().rev().find(|((then, ..), _)| *then <= now)?;
         let pairs = line
             .split_whitespace()
             .filter_map(|word| word.split_once('='));
         let pairs =
             pairs.map(|(name, value)| (name.to_owned(), value.trim_matches('"').to_owned()));
         let mut run = Shown {
-            module,
-            level,
+            module: module.clone(),
+            level: *level,
             tick: f64::NAN,
             values: pairs.collect(),
         };
         let simulated = report_beside(path)["simulated"].as_f64();
         run.tick = 1e3 * simulated.unwrap_or(f64::NAN) / run.number("ticks");
-        run
+        Some(run)
     };
-    Ok(lines.into_iter().zip(begun).map(of).collect())
+    lines.filter_map(of).collect()
 }

@@ -328,9 +328,8 @@ impl<'a> Player<'a> {
         self.press(10)?;
         let layout = 1 + self.random.below(5) as usize;
         self.press(layout)?;
-        self.keys(&["Escape", "Escape"])?;
-        self.wait(0.5);
-        Ok(())
+        // What has the keyboard gives it back, then it is a key of the screen.
+        self.changes("back to the modules", &["Escape", "Escape", "Escape"])
     }
 }
 
