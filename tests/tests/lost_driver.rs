@@ -1,4 +1,4 @@
-//! A driver that loses its device while somebody trains in the window: the window comes back, or the program states in one sentence why not; the recording is whole either way.
+//! A driver that loses its device while somebody trains in the window: the window comes back, or the program states in one sentence why not; the recording is whole in both cases.
 
 use microsim_tests::desktop::{Display, Shot};
 use microsim_tests::driver::Driver;

@@ -235,7 +235,7 @@ fn let_go(host: Host<'_>) {
     }
 }
 
-/// Why a window did not open that had a display; eframe tells the log alone.
+/// Why a window did not open that had a display; eframe writes that into the log alone.
 fn unopened() -> String {
     match Gpu::off_screen() {
         Err(error) => error.to_string(),

@@ -129,7 +129,7 @@ pub fn log(folder: &Path) -> Result<String, String> {
         .collect()
 }
 
-/// Lines that tell of a panic, or of an error.
+/// Lines about a panic, or an error.
 pub fn panics(text: &str) -> Vec<String> {
     let is = |line: &&str| {
         line.contains("panicked at") || line.contains(" ERROR ") || line.starts_with("ERROR")
@@ -192,7 +192,10 @@ pub fn shown(log: &str, sessions: &BTreeSet<PathBuf>) -> Vec<Shown> {
             tick: f64::NAN,
             values: pairs.collect(),
         };
-        let simulated = report_beside(path)["simulated"].as_f64();
+        // A window that broke down leaves no report.
+        let has_report = path.with_extension("json").exists();
+        let report = has_report.then(|| report_beside(path));
+        let simulated = report.and_then(|report| report["simulated"].as_f64());
         run.tick = 1e3 * simulated.unwrap_or(f64::NAN) / run.number("ticks");
         Some(run)
     };

@@ -1,5 +1,5 @@
 //! `cargo xtask soak window [-- MINUTES SEED]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
-//! Level after level by a clumsy hand; paused, begun anew, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
+//! Level after level by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
 //! `tests/results/soak_window.md`.
 //!
 //! Ends with status 1 if the window panics, freezes, ends, loses a session or records one that does not replay, if memory grows, or if more ticks are late than may be.

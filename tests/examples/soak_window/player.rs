@@ -214,7 +214,7 @@ impl<'a> Player<'a> {
         self.click([self.size[0] / 2.0, height * self.scale])
     }
 
-    /// Begins the level anew; gives the new session.
+    /// Begins the level again; gives the new session.
     pub fn restart(&self) -> Result<PathBuf, String> {
         let before = self.begun();
         self.on_card(RESTART)?;
