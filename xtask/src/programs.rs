@@ -189,11 +189,6 @@ pub const SOAKS: &[Program] = &[
         example: "soak_window",
         shows: "30 minutes at the window (-- MINUTES SEED): memory, late ticks, panics, sessions",
     },
-    Program {
-        name: "screens",
-        example: "soak_screens",
-        shows: "a picture of every screen, in both languages and two sizes",
-    },
 ];
 
 /// The program of a name; all of them without one. The error of an unknown name lists the known ones.
@@ -283,7 +278,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, store, hands, window, screens"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, store, hands, window"
                     .into()
             )
         );
