@@ -1,19 +1,41 @@
 //! A display without a screen, and a program at it that knows keys, mouse and what it sees: nothing of the window's inside.
 
 use crate::peers::{Peer, done};
-use std::io::{BufRead, BufReader, Cursor};
+use std::io::{BufRead, BufReader, Cursor, Write as _};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Debian's packages of what is used here.
 const PACKAGES: [&str; 3] = ["xvfb", "xdotool", "imagemagick"];
+/// And of what manages windows.
+const MANAGERS: [&str; 2] = ["openbox", "x11-xserver-utils"];
+/// Windows have no frames, so that a place in a window is a place on the display; keys are the program's.
+const MANAGED: &str = "<?xml version=\"1.0\"?><openbox_config xmlns=\"http://openbox.org/3.4/rc\"><keyboard/><mouse/>\
+    <applications><application class=\"*\"><decor>no</decor><position force=\"yes\"><x>0</x><y>0</y></position></application></applications></openbox_config>";
 
 /// A virtual display.
 #[derive(Debug)]
 pub struct Display {
+    /// Ends before the server does.
+    _manager: Option<Peer>,
     _server: Peer,
     name: String,
+}
+
+/// Installs what is missing of programs, if it can be.
+fn require(programs: &[&str], packages: &[&str]) -> Result<(), String> {
+    let is_there = |program: &&str| done(Command::new("which").arg(program)).is_ok();
+    if programs.iter().all(is_there) {
+        return Ok(());
+    }
+    let mut install = Command::new("apt-get");
+    install.args(["install", "-y", "-q"]).args(packages);
+    install.env("DEBIAN_FRONTEND", "noninteractive");
+    done(&mut install).map_err(|why| {
+        let packages = packages.join(" ");
+        format!("one of {programs:?} is missing and cannot be installed (apt-get install {packages}): {why}")
+    })
 }
 
 /// A picture of all of the display.
@@ -73,20 +95,23 @@ impl Display {
     /// # Errors
     /// What is missing.
     pub fn open() -> Result<Self, String> {
-        let is_there = |program: &str| done(Command::new("which").arg(program)).is_ok();
-        if !["Xvfb", "xdotool", "import"].into_iter().all(is_there) {
-            let mut install = Command::new("apt-get");
-            install.args(["install", "-y", "-q"]).args(PACKAGES);
-            install.env("DEBIAN_FRONTEND", "noninteractive");
-            done(&mut install)?;
-        }
+        Self::open_of([1280, 720])
+    }
+
+    /// The same of another size \[pixels\].
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn open_of([width, height]: [u32; 2]) -> Result<Self, String> {
+        require(&["Xvfb", "xdotool", "import"], &PACKAGES)?;
+        let screen = format!("{width}x{height}x24");
         let mut server = Command::new("Xvfb");
         server.args([
             "-displayfd",
             "1",
             "-screen",
             "0",
-            "1280x720x24",
+            &screen,
             "-nolisten",
             "tcp",
         ]);
@@ -99,6 +124,7 @@ impl Display {
         match number.trim() {
             "" => Err("Xvfb did not start".into()),
             number => Ok(Self {
+                _manager: None,
                 _server: server,
                 name: format!(":{number}"),
             }),
@@ -110,10 +136,63 @@ impl Display {
         &self.name
     }
 
+    /// Has windows managed from now on, as a desktop does: they are minimised, and fill the screen. `folder` takes the settings of the manager.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn manage(&mut self, folder: &Path) -> Result<(), String> {
+        require(&["openbox", "xrdb"], &MANAGERS)?;
+        let file = folder.join("openbox.xml");
+        std::fs::write(&file, MANAGED).map_err(|e| format!("{}: {e}", file.display()))?;
+        let mut manager = Command::new("openbox");
+        manager.arg("--config-file").arg(file);
+        manager.env("DISPLAY", &self.name);
+        let manager = manager.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+        self._manager = Some(Peer(manager.map_err(|e| format!("openbox: {e}"))?));
+        Ok(())
+    }
+
+    /// Sets how many pixels a desktop's inch has, which windows learn at once: 96 are a scale of 1.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn set_resolution(&self, per_inch: u32) -> Result<(), String> {
+        let mut command = Command::new("xrdb");
+        command.args(["-merge", "-"]).env("DISPLAY", &self.name);
+        let child = command.stdin(Stdio::piped()).spawn();
+        let mut child = child.map_err(|e| format!("xrdb: {e}"))?;
+        let input = child.stdin.take().ok_or("xrdb has no input")?;
+        let written = writeln!({ input }, "Xft.dpi: {per_inch}");
+        written.map_err(|e| format!("xrdb: {e}"))?;
+        let ended = child.wait().map_err(|e| format!("xrdb: {e}"))?;
+        ended
+            .success()
+            .then_some(())
+            .ok_or(format!("xrdb: {ended}"))
+    }
+
+    /// What xdotool answers; it is given twenty seconds.
+    ///
+    /// # Errors
+    /// What it complains about, or that it took longer.
+    pub fn ask(&self, arguments: &[&str]) -> Result<String, String> {
+        let mut command = Command::new("timeout");
+        command.args(["20", "xdotool"]).args(arguments);
+        let output = command.env("DISPLAY", &self.name).output();
+        let output = output.map_err(|e| format!("xdotool: {e}"))?;
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
+        match output.status.success() {
+            true => Ok(text(&output.stdout)),
+            false => Err(format!(
+                "xdotool {arguments:?}: {}{}",
+                output.status,
+                text(&output.stderr)
+            )),
+        }
+    }
+
     fn xdotool(&self, arguments: &[&str]) {
-        let mut command = Command::new("xdotool");
-        command.args(arguments).env("DISPLAY", &self.name);
-        done(&mut command).unwrap_or_else(|e| panic!("xdotool {arguments:?}: {e}"));
+        self.ask(arguments).unwrap_or_else(|e| panic!("{e}"));
     }
 
     /// Gives the window of this title the keyboard, as a window manager would.

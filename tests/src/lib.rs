@@ -9,6 +9,7 @@
 //! - [`desktop`]: a display without a screen, and mouse and keyboard at it;
 //! - [`detected`]: contact for a solver without a scene;
 //! - [`digests`]: physics digests of shipped runs, recorded and compared;
+//! - [`driver`]: a graphics driver that loses its device when it is asked to;
 //! - [`hands`]: random players, and what comes of their runs;
 //! - [`in_process`]: a run in the test's own process;
 //! - [`kill`]: runs killed by SIGKILL, and what is left of them;
@@ -34,6 +35,7 @@ pub mod counts;
 pub mod desktop;
 pub mod detected;
 pub mod digests;
+pub mod driver;
 pub mod hands;
 pub mod in_process;
 pub mod kill;

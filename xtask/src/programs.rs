@@ -184,6 +184,11 @@ pub const SOAKS: &[Program] = &[
         example: "soak_hands",
         shows: "10 hours of random hands on every level (-- SECONDS SEED): held, too slow",
     },
+    Program {
+        name: "window",
+        example: "soak_window",
+        shows: "30 minutes at the window (-- MINUTES SEED): memory, late ticks, panics, sessions",
+    },
 ];
 
 /// The program of a name; all of them without one. The error of an unknown name lists the known ones.
@@ -273,7 +278,7 @@ mod tests {
         assert_eq!(
             names(Some("kill")),
             Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, store, hands"
+                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, store, hands, window"
                     .into()
             )
         );

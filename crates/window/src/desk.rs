@@ -2,6 +2,7 @@
 
 use crate::appearance::{self, Appearance};
 use crate::debrief::{self, Next};
+use crate::device::{self, Fault, Waker};
 use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
@@ -38,18 +39,23 @@ pub struct Opening {
     pub size: [f32; 2],
 }
 
-/// Why there is no window.
+/// Why there is no window, or none any more.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WindowError(String);
+pub struct WindowError(Fault);
 
 impl fmt::Display for WindowError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "no window: {}; it needs a display (X11, which Wayland desktops have, too) and a graphics driver with Vulkan \
-             (Debian, Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1). `microsim run` works without",
-            self.0
-        )
+        match &self.0 {
+            Fault::NotOpened(why) => write!(
+                f,
+                "no window: {why}; it needs a display (X11, which Wayland desktops have, too) and a graphics driver with Vulkan \
+                 (Debian, Ubuntu: apt-get install mesa-vulkan-drivers libvulkan1). `microsim run` works without"
+            ),
+            Fault::Lost { why, again } => write!(
+                f,
+                "no window any more: the graphics driver failed ({why}) and the picture could not be had back ({again}); what was recorded is safe"
+            ),
+        }
     }
 }
 
@@ -58,12 +64,12 @@ impl std::error::Error for WindowError {}
 /// Shows the window until it is closed.
 ///
 /// # Errors
-/// One sentence where there is no display, or no driver.
+/// One sentence where there is no display, or no driver, or where a driver fails and the window cannot be opened again.
 pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowError> {
     if std::env::var_os("DISPLAY").is_none_or(|value| value.is_empty()) {
-        return Err(WindowError(
+        return Err(WindowError(Fault::NotOpened(
             "there is no display (DISPLAY is not set)".into(),
-        ));
+        )));
     }
     // Without it ticks are late more often, that is all.
     if let Err(error) = threads::lower_priority() {
@@ -81,12 +87,19 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
         dithering: false,
         ..Default::default()
     };
-    let create = |context: &eframe::CreationContext<'_>| {
-        let desk = Desk::new(context, station, opening)?;
-        Ok(Box::new(desk) as Box<dyn eframe::App>)
-    };
-    eframe::run_native("MicroSim", options, Box::new(create))
-        .map_err(|error| WindowError(error.to_string()))
+    let make = |context: &eframe::CreationContext<'_>| Desk::new(context, station, opening);
+    device::run(options, make).map_err(WindowError)
+}
+
+/// Draws the field with the device of this window.
+fn field_of(
+    context: &eframe::CreationContext<'_>,
+    settings: &WindowSettings,
+) -> Result<Field, String> {
+    let state = context.wgpu_render_state.as_ref();
+    let mut field = Field::new(state.ok_or("the window has no graphics device")?)?;
+    field.set(settings);
+    Ok(field)
 }
 
 enum Screen {
@@ -111,6 +124,8 @@ struct Desk {
     trainees: Result<Vec<TraineeEntry>, String>,
     launcher: Launcher,
     field: Field,
+    /// Has the window drawn when a thread has something new.
+    waker: Waker,
     /// Work on the store goes on while other screens are shown.
     upkeep: Upkeep,
     screen: Screen,
@@ -124,10 +139,9 @@ impl Desk {
         station: Box<dyn Station>,
         opening: Opening,
     ) -> Result<Self, String> {
-        let state = context.wgpu_render_state.as_ref();
-        let mut field = Field::new(state.ok_or("the window has no graphics device")?)?;
-        field.set(&opening.settings);
+        let field = field_of(context, &opening.settings)?;
         look::apply(&context.egui_ctx);
+        let waker = Waker::new(&context.egui_ctx);
         let catalogue = station.catalogue();
         let mut desk = Self {
             trainees: station.trainees(),
@@ -143,6 +157,7 @@ impl Desk {
                 ..Launcher::default()
             },
             upkeep: Upkeep::default(),
+            waker,
             screen: Screen::Launcher,
             station,
             catalogue,
@@ -158,12 +173,12 @@ impl Desk {
             desk.launcher.level = choice.level;
             desk.launcher.trainee = choice.trainee.clone();
             if opening.begins {
-                desk.begin(choice, &context.egui_ctx);
+                desk.begin(choice);
             }
         }
         if let Some(debrief) = opening.replay {
             let choice = desk.choice_of(&debrief);
-            desk.replay(debrief, choice, 0, &context.egui_ctx);
+            desk.replay(debrief, choice, 0);
         }
         Ok(desk)
     }
@@ -178,7 +193,7 @@ impl Desk {
         Some((module, level))
     }
 
-    fn begin(&mut self, choice: Choice, context: &egui::Context) {
+    fn begin(&mut self, choice: Choice) {
         // What ran before has to be closed, so that two runs never compute at once.
         self.screen = Screen::Launcher;
         self.wait_for_left();
@@ -188,7 +203,7 @@ impl Desk {
                 choice.level, choice.module
             )),
             Some((module, level)) => self.station.begin(&choice).and_then(|session| {
-                Training::begin(choice.clone(), module, level, session, context)
+                Training::begin(choice.clone(), module, level, session, self.waker.clone())
             }),
         };
         self.screen = match begun {
@@ -217,16 +232,10 @@ impl Desk {
     }
 
     /// Shows a session from a tick on, or its debrief with what is wrong with it.
-    fn replay(
-        &mut self,
-        debrief: Box<Debrief>,
-        choice: Choice,
-        tick: u64,
-        context: &egui::Context,
-    ) {
+    fn replay(&mut self, debrief: Box<Debrief>, choice: Choice, tick: u64) {
         self.wait_for_left();
         let begun = match self.station.replay(&debrief.session) {
-            Ok(recording) => Replay::begin(debrief, recording, tick, context),
+            Ok(recording) => Replay::begin(debrief, recording, tick, self.waker.clone()),
             Err(why) => Err((debrief, why)),
         };
         self.screen = match begun {
@@ -275,8 +284,7 @@ impl Desk {
             Some(Wanted::Settings) => self.screen = Screen::Settings(Appearance::default()),
             Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
             Some(Wanted::Begin(choice)) => {
-                let context = ui.ctx().clone();
-                self.begin(choice, &context);
+                self.begin(choice);
             }
         }
     }
@@ -367,15 +375,14 @@ impl Desk {
             None => {}
             Some(Next::Back) => self.screen = Screen::Launcher,
             Some(Next::Replay(tick)) => {
-                let (debrief, context) = (debrief.clone(), ui.ctx().clone());
-                self.replay(debrief, again, tick, &context);
+                let debrief = debrief.clone();
+                self.replay(debrief, again, tick);
                 ui.ctx().request_repaint();
             }
             Some(wanted) => {
                 let choice = if wanted == Next::Again { again } else { next };
                 self.launcher.level = choice.level;
-                let context = ui.ctx().clone();
-                self.begin(choice, &context);
+                self.begin(choice);
             }
         }
     }
@@ -401,8 +408,8 @@ impl Desk {
                 self.screen = Screen::Debrief(debrief, choice);
             }
             Some(records::Wanted::Replay(debrief)) => {
-                let (choice, context) = (self.choice_of(&debrief), ui.ctx().clone());
-                self.replay(debrief, choice, 0, &context);
+                let choice = self.choice_of(&debrief);
+                self.replay(debrief, choice, 0);
             }
         }
     }
@@ -437,8 +444,30 @@ fn other(language: Language) -> Language {
     }
 }
 
-impl eframe::App for Desk {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+impl device::Shown for Desk {
+    fn take(&mut self, context: &eframe::CreationContext<'_>, why: &str) -> Result<(), String> {
+        self.field = field_of(context, &self.settings)?;
+        look::apply(&context.egui_ctx);
+        self.waker.turn_to(&context.egui_ctx);
+        match &mut self.screen {
+            Screen::Training(training) => training.take_new_device(why),
+            Screen::Replay(replay, _) => replay.take_new_device(),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn pause(&mut self) {
+        if let Screen::Training(training) = &self.screen {
+            training.pause();
+        }
+    }
+
+    fn lost(&self) -> Option<String> {
+        self.field.lost()
+    }
+
+    fn show(&mut self, ui: &mut Ui) {
         // A file that is dropped where it can be read, or one click before.
         let takes_files = matches!(self.screen, Screen::Launcher | Screen::Records(_));
         if takes_files && !ui.input(|input| input.raw.dropped_files.is_empty()) {
@@ -459,8 +488,8 @@ impl eframe::App for Desk {
                     None => {}
                     Some(Outcome::Back) => self.screen = Screen::Launcher,
                     Some(Outcome::Restart) => {
-                        let (choice, context) = (training.choice.clone(), ui.ctx().clone());
-                        self.begin(choice, &context);
+                        let choice = training.choice.clone();
+                        self.begin(choice);
                     }
                     Some(Outcome::Ended(Ok(debrief))) => {
                         let choice = training.choice.clone();
@@ -471,9 +500,5 @@ impl eframe::App for Desk {
                 }
             }
         }
-    }
-
-    fn clear_color(&self, _: &egui::Visuals) -> [f32; 4] {
-        look::BACKGROUND.to_normalized_gamma_f32()
     }
 }

@@ -20,6 +20,7 @@ const LEAST_SIDE: u32 = 64;
 /// Draws the field.
 pub struct Field {
     state: RenderState,
+    gpu: Gpu,
     renderer: Renderer,
     blitter: Blitter,
     /// The picture, with its texture, which is another one after a change of size or quality.
@@ -45,6 +46,7 @@ impl Field {
         let renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
         Ok(Self {
             state: state.clone(),
+            gpu,
             renderer,
             blitter: Blitter::new(&state.device, state.target_format),
             shown: None,
@@ -52,6 +54,11 @@ impl Field {
             stereo: Stereo::default(),
             working_distance: WindowSettings::default().working_distance,
         })
+    }
+
+    /// Why the device is lost, once it is: nothing can be drawn with it any more.
+    pub fn lost(&self) -> Option<String> {
+        self.gpu.lost().map(str::to_owned)
     }
 
     /// Draws as the operator wants it from the next picture on.

@@ -14,6 +14,7 @@
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
 //! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
 //!   with the states `nearby` in memory.
+//! - `device`: the graphics device under the window, had back where the driver loses it.
 //! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
 //! - `appearance`: the settings screen.
@@ -33,6 +34,7 @@ mod console;
 mod courses;
 mod debrief;
 mod desk;
+mod device;
 mod field;
 mod hands;
 mod launcher;

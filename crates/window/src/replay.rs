@@ -2,6 +2,7 @@
 
 use crate::canvas::{Canvas, Subject};
 use crate::console::{Asked, Console, by_key};
+use crate::device::Waker;
 use crate::field::Field;
 use crate::ledger::Debrief;
 use crate::live::Snapshot;
@@ -64,15 +65,12 @@ impl Replay {
         debrief: Box<Debrief>,
         recording: Box<dyn Recording>,
         tick: u64,
-        context: &egui::Context,
+        waker: Waker,
     ) -> Result<Self, (Box<Debrief>, String)> {
         let config = recording.picture().clone();
         let files = recording.files().iter();
         let files: Vec<(&str, &[u8])> = files.map(|f| (&f.name[..], &f.bytes[..])).collect();
-        let wake = {
-            let context = context.clone();
-            move || context.request_repaint()
-        };
+        let wake = move || waker.wake();
         let models = Models::new(&files);
         let begun = models.and_then(|models| Ok((models, Player::start(recording, tick, wake)?)));
         let (models, player) = match begun {
@@ -90,6 +88,11 @@ impl Replay {
             snapshot: None,
             canvas: Canvas::default(),
         })
+    }
+
+    /// Draws with another device.
+    pub fn take_new_device(&mut self) {
+        self.canvas.redraw();
     }
 
     /// Leaves it: what came of the session, and the thread that computed it, which ends soon.

@@ -7,6 +7,7 @@ use crate::look;
 use crate::pace::{Pace, Samples, Times};
 use crate::panels::{self, Instrument, Pictures, Task};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, ToolEntry, TraineeEntry};
+use eframe::egui::epaint::ClippedShape;
 use eframe::egui::{self, Event, Key, Modifiers, Pos2, RawInput, Rect, Shape, Ui, vec2};
 use microsim_message::{
     CategoryScore, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText, MetricRecord, Pose,
@@ -19,6 +20,7 @@ use microsim_vocabulary::Language;
 use std::path::PathBuf;
 
 mod appearance;
+mod contrast;
 mod player;
 mod records;
 mod replay;
@@ -78,8 +80,21 @@ fn catalogue() -> Catalogue {
 fn texts(
     size: [f32; 2],
     events: Vec<Event>,
-    mut show: impl FnMut(&mut Ui),
+    show: impl FnMut(&mut Ui),
 ) -> Vec<(String, Rect, Rect)> {
+    texts_of(&shapes(size, events, show))
+}
+
+fn texts_of(shapes: &[ClippedShape]) -> Vec<(String, Rect, Rect)> {
+    let mut found = Vec::new();
+    for clipped in shapes {
+        collect(&clipped.shape, clipped.clip_rect, &mut found);
+    }
+    found
+}
+
+/// Lays a screen out and gives all that is drawn, in its order.
+fn shapes(size: [f32; 2], events: Vec<Event>, mut show: impl FnMut(&mut Ui)) -> Vec<ClippedShape> {
     let context = egui::Context::default();
     look::apply(&context);
     let input = |events| RawInput {
@@ -94,11 +109,7 @@ fn texts(
     }
     let mut output = context.run_ui(input(events), &mut show);
     output.textures_delta.clear();
-    let mut found = Vec::new();
-    for clipped in &output.shapes {
-        collect(&clipped.shape, clipped.clip_rect, &mut found);
-    }
-    found
+    output.shapes
 }
 
 fn collect(shape: &Shape, clip: Rect, found: &mut Vec<(String, Rect, Rect)>) {
@@ -146,11 +157,9 @@ fn check(what: &str, size: [f32; 2], texts: &[(String, Rect, Rect)]) {
 fn everywhere(what: &str, mut show: impl FnMut(&mut Ui, Language)) {
     for language in LANGUAGES {
         for size in SIZES {
-            check(
-                what,
-                size,
-                &texts(size, Vec::new(), |ui| show(ui, language)),
-            );
+            let drawn = shapes(size, Vec::new(), |ui| show(ui, language));
+            check(what, size, &texts_of(&drawn));
+            contrast::check(what, &drawn);
         }
     }
 }

@@ -77,6 +77,8 @@ phrases! {
     MEDIUM: "mittel", "medium";
     HIGH: "hoch", "high";
     START: "Los", "Start";
+    DRIVER_LOST: "Der Grafiktreiber ist ausgefallen und das Bild wieder da. Die Aufzeichnung ist vollständig.",
+        "The graphics driver failed, and the picture is back. The recording is complete.";
     PAUSED: "Pause – die Zeit steht", "Paused – time stands";
     RESUME: "Weiter", "Resume";
     RESTART: "Neu beginnen", "Restart";

@@ -2,6 +2,7 @@
 
 use crate::account::Account;
 use crate::canvas::{Canvas, Subject};
+use crate::device::Waker;
 use crate::field::Field;
 use crate::hands::Hands;
 use crate::live::{Ended, Live, Snapshot};
@@ -46,6 +47,8 @@ pub struct Training {
     /// From snapshots to their pictures.
     delays: Arc<Mutex<Times>>,
     account: Account,
+    /// Why the picture was gone, until the trainee goes on.
+    lost: Option<String>,
 }
 
 /// What the trainee or operator asked for, or what came of the run.
@@ -68,7 +71,7 @@ impl Training {
         module: &ModuleEntry,
         level: &LevelEntry,
         session: Box<dyn LiveSession>,
-        context: &egui::Context,
+        waker: Waker,
     ) -> Result<Self, String> {
         let config = session.picture().clone();
         let files = session.files().iter();
@@ -77,10 +80,7 @@ impl Training {
         let slots = level.tools.iter().map(|tool| tool.slot.clone());
         let hands = session.desktop();
         let hands = hands.map(|desktop| Hands::new(slots.collect(), *desktop, config.view));
-        let wake = {
-            let context = context.clone();
-            move || context.request_repaint()
-        };
+        let wake = move || waker.wake();
         Ok(Self {
             choice,
             module: module.clone(),
@@ -96,7 +96,19 @@ impl Training {
             drawn: VecDeque::new(),
             delays: Arc::default(),
             account: Account::default(),
+            lost: None,
         })
+    }
+
+    /// Pauses the run.
+    pub fn pause(&self) {
+        self.live.pause(true);
+    }
+
+    /// Draws with another device: the one of before was lost for this reason. Whoever saw nothing for a while decides when the run goes on.
+    pub fn take_new_device(&mut self, why: &str) {
+        self.canvas.redraw();
+        self.lost = Some(why.to_owned());
     }
 
     /// Shows it, and hands on what mouse and keyboard ask for.
@@ -137,6 +149,7 @@ impl Training {
         if self.live.is_paused() {
             return self.show_pause(ui, picture, language);
         }
+        self.lost = None;
         if let Some(view) = ui.input(|input| self.scope.set(input)) {
             self.live.look(view);
             self.config.view = self.scope.view();
@@ -281,6 +294,10 @@ impl Training {
         let mut outcome = None;
         overlay(ui, "pause", picture, |ui| {
             ui.label(RichText::new(text::PAUSED.of(language)).size(18.0).strong());
+            if let Some(why) = &self.lost {
+                ui.label(RichText::new(text::DRIVER_LOST.of(language)).color(look::BAD));
+                ui.label(look::quiet(why));
+            }
             ui.add_space(6.0);
             if ui
                 .add(look::main_button(text::RESUME.of(language)))

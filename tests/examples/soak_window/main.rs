@@ -1,0 +1,319 @@
+//! `cargo xtask soak window [-- MINUTES SEED]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
+//! Level after level by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
+//! `tests/results/soak_window.md`.
+//!
+//! Ends with status 1 if the window panics, freezes, ends, loses a session or records one that does not replay, if memory grows, or if more ticks are late than may be.
+
+mod account;
+mod page;
+mod player;
+
+use account::{Memory, Shown};
+use microsim_random::SplitMix64;
+use microsim_tests::desktop::Display;
+use microsim_tests::driver::Driver;
+use microsim_tests::peers::Peer;
+use microsim_tests::{command, finish, microsim, repository, scratch};
+use player::Player;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+const MINUTES: f64 = 30.0;
+/// What a level takes with all around it \[s\], and for how long the hand moves.
+const SLOT: f64 = 48.0;
+const PLAYED: f64 = 22.0;
+/// One in so many sessions is computed again.
+const REPLAYED: u64 = 5;
+
+/// What happens in the middle of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Event {
+    Resized,
+    Minimised,
+    Unmapped,
+    Scaled,
+    DriverLost,
+    FullScreen,
+    BegunAnew,
+    QualityAndPanels,
+}
+
+const EVENTS: [Event; 8] = [
+    Event::DriverLost,
+    Event::Resized,
+    Event::Scaled,
+    Event::Minimised,
+    Event::BegunAnew,
+    Event::FullScreen,
+    Event::QualityAndPanels,
+    Event::Unmapped,
+];
+
+/// What came of it.
+#[derive(Debug)]
+struct Soak {
+    minutes: f64,
+    seed: u64,
+    /// Module and level of each slot, and what happened in its middle.
+    slots: Vec<(String, u32, Event)>,
+    shown: Vec<Shown>,
+    memory: Memory,
+    sessions: usize,
+    replayed: usize,
+    /// Size of all recordings \[bytes\].
+    recorded: u64,
+    faults: Vec<String>,
+}
+
+/// All levels, with the place of their module in the launcher.
+fn levels() -> Vec<(usize, String, u32)> {
+    let listed = microsim(["list", "--json"]).json();
+    let modules = listed["modules"].as_array().cloned().unwrap_or_default();
+    let of = |(place, module): (usize, &serde_json::Value)| {
+        let name = module["name"].as_str().unwrap_or_default().to_owned();
+        let count = module["levels"].as_array().map_or(0, Vec::len) as u32;
+        (1..=count)
+            .map(move |level| (place, name.clone(), level))
+            .collect::<Vec<_>>()
+    };
+    modules.iter().enumerate().flat_map(of).collect()
+}
+
+fn happen(
+    event: Event,
+    player: &mut Player<'_>,
+    driver: &Driver,
+    session: &Path,
+) -> Result<PathBuf, String> {
+    let id = player.focus()?;
+    let display = player.display;
+    let mut session = session.to_owned();
+    match event {
+        Event::Resized => {
+            let sizes = [["1000", "640"], ["1920", "1080"], ["1366", "768"]];
+            for [width, height] in sizes {
+                display.ask(&["windowsize", &id, width, height])?;
+                player.wait(1.5);
+                player.focus()?;
+                player.gesture()?;
+            }
+            display.ask(&["windowsize", &id, "1280", "720"])?;
+        }
+        Event::Minimised => {
+            display.ask(&["windowminimize", "--sync", &id])?;
+            player.wait(3.0);
+            display.ask(&["windowmap", "--sync", &id])?;
+        }
+        Event::Unmapped => {
+            display.ask(&["windowunmap", "--sync", &id])?;
+            player.wait(3.0);
+            display.ask(&["windowmap", "--sync", &id])?;
+        }
+        Event::Scaled => {
+            for (per_inch, scale) in [(144, 1.5), (120, 1.25)] {
+                display.set_resolution(per_inch)?;
+                player.scale = scale;
+                player.wait(1.5);
+                player.focus()?;
+                player.gesture()?;
+            }
+            display.set_resolution(96)?;
+            player.scale = 1.0;
+            player.wait(1.0);
+            display.ask(&["windowsize", &id, "1280", "720"])?;
+        }
+        Event::DriverLost => {
+            let order = driver.lose();
+            let start = Instant::now();
+            while order.exists() && start.elapsed() < Duration::from_secs(20) {
+                player.gesture()?;
+            }
+            if order.exists() {
+                return Err("the driver was not asked for anything for 20 s".into());
+            }
+            player.wait(2.0);
+            player.focus()?;
+            // It waits in a pause.
+            player.keys(&["Escape"])?;
+        }
+        Event::FullScreen => {
+            player.keys(&["F11"])?;
+            player.wait(2.0);
+            player.focus()?;
+            player.gesture()?;
+            player.keys(&["F11"])?;
+        }
+        Event::BegunAnew => session = player.restart()?,
+        Event::QualityAndPanels => player.keys(&["F2", "F3", "F2", "F3", "F2"])?,
+    }
+    player.wait(1.0);
+    player.focus()?;
+    Ok(session)
+}
+
+/// A level from the launcher to the launcher.
+fn slot(
+    player: &mut Player<'_>,
+    driver: &Driver,
+    n: usize,
+    level: &(usize, String, u32),
+) -> Result<(), String> {
+    player.focus()?;
+    let mut session = player.begin(level.0, level.2)?;
+    player.play(&session, PLAYED / 2.0)?;
+    if !player.has_ended(&session) {
+        session = happen(EVENTS[n % EVENTS.len()], player, driver, &session)?;
+        player.play(&session, PLAYED / 2.0)?;
+    }
+    player.end(&session)?;
+    if n.is_multiple_of(3) {
+        player.replay()?;
+    }
+    player.to_modules()?;
+    match n % 3 {
+        1 => player.records(),
+        2 => player.settings(),
+        _ => Ok(()),
+    }
+}
+
+fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
+    let folder = scratch();
+    let data = folder.path().join("data");
+    let failed = |error: std::io::Error| format!("{}: {error}", data.display());
+    fs::create_dir_all(data.join("config")).map_err(failed)?;
+    fs::write(data.join("config/window.toml"), "quality = \"low\"\n").map_err(failed)?;
+    let driver = Driver::build(&folder.path().join("driver"))?;
+    let mut display = Display::open_of([1920, 1080])?;
+    display.manage(folder.path())?;
+    display.set_resolution(96)?;
+    let mut window = command(["window", "--lang", "en", "--size", "1280x720"]);
+    window
+        .env("DISPLAY", display.name())
+        .env("MICROSIM_DATA", &data)
+        .env("XDG_RUNTIME_DIR", &data);
+    driver.put_below(&mut window);
+    let errors = folder.path().join("errors");
+    let file = File::create(&errors).map_err(failed)?;
+    window.stdout(Stdio::null()).stderr(file);
+    let mut window = Peer(
+        window
+            .spawn()
+            .map_err(|error| format!("the program: {error}"))?,
+    );
+    let memory = account::watch(window.0.id());
+    let mut player = Player::new(&display, seed, &data);
+    player.focus()?;
+    player.wait(3.0);
+
+    let levels = levels();
+    let count = ((60.0 * minutes / SLOT).round() as usize).max(1);
+    let mut soak = Soak {
+        minutes,
+        seed,
+        slots: Vec::new(),
+        shown: Vec::new(),
+        memory: Memory::default(),
+        sessions: 0,
+        replayed: 0,
+        recorded: 0,
+        faults: Vec::new(),
+    };
+    for n in 0..count {
+        // All of them, or as many as there is time for, evenly.
+        let level = match count < levels.len() {
+            true => &levels[(2 * n + 1) * levels.len() / (2 * count)],
+            false => &levels[n % levels.len()],
+        };
+        let event = EVENTS[n % EVENTS.len()];
+        eprintln!("{} level {}: {event:?}", level.1, level.2);
+        soak.slots.push((level.1.clone(), level.2, event));
+        if let Err(why) = slot(&mut player, &driver, n, level) {
+            let picture = std::env::temp_dir().join("soak-window.png");
+            display.keep(&picture);
+            let state = window.0.try_wait().map_err(failed)?;
+            let state = state.map_or("it runs still".into(), |status| {
+                format!("it has ended: {status}")
+            });
+            soak.faults.push(format!(
+                "{} level {}, {event:?}: {why}; {state}; what was seen: {}",
+                level.1,
+                level.2,
+                picture.display()
+            ));
+            break;
+        }
+        memory.rest();
+    }
+    soak.memory = memory.stop();
+    let sessions = player.begun();
+    // As a desktop closes a window: the last session ends with it.
+    if let Ok(id) = player.focus() {
+        let _ = display.ask(&["windowquit", &id]);
+    }
+    let start = Instant::now();
+    while window.0.try_wait().map_err(failed)?.is_none()
+        && start.elapsed() < Duration::from_secs(30)
+    {
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    drop(window);
+    let text = fs::read_to_string(&errors).unwrap_or_default();
+    soak.faults.extend(account::panics(&text));
+    let log = account::log(&data.join("logs"))?;
+    soak.faults.extend(account::panics(&log));
+    soak.shown = account::shown(&log, &sessions);
+    soak.sessions = sessions.len();
+    let mut random = SplitMix64(seed);
+    for session in &sessions {
+        soak.recorded += fs::metadata(session).map_err(failed)?.len();
+        let name = session.file_name().unwrap_or_default().to_string_lossy();
+        let mut read = command(["report", "--json"]);
+        if finish(read.arg(session)).code != Some(0) {
+            soak.faults.push(format!("{name} cannot be read"));
+        }
+        if random.below(REPLAYED) == 0 {
+            soak.replayed += 1;
+            let mut replay = command(["replay", "--verify"]);
+            let replayed = finish(replay.arg(session));
+            if replayed.code != Some(0) {
+                soak.faults
+                    .push(format!("{name} does not replay: {}", replayed.err.trim()));
+            }
+        }
+    }
+    Ok(soak)
+}
+
+fn order(words: &[String]) -> Option<(f64, u64)> {
+    let minutes = words
+        .first()
+        .map_or(Some(MINUTES), |word| word.parse().ok())?;
+    let seed = words.get(1).map_or(Some(1), |word| word.parse().ok())?;
+    (minutes > 0.0 && words.len() <= 2).then_some((minutes, seed))
+}
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let Some((minutes, seed)) = order(&words) else {
+        eprintln!("expected MINUTES, above 0, and SEED, or nothing");
+        return ExitCode::from(2);
+    };
+    let soaked = soak(minutes, seed).and_then(|soak| {
+        let (text, is_good) = page::of(&soak, &words);
+        print!("{text}");
+        let file = repository().join("tests/results/soak_window.md");
+        fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))?;
+        Ok(is_good)
+    });
+    match soaked {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(why) => {
+            eprintln!("soak window: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! Somebody at the display who goes through all screens and handles instruments clumsily: keys, mouse and the files that the program writes are all that there is.
+
+use microsim_random::SplitMix64;
+use microsim_tests::desktop::Display;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// How long a person waits before a window counts as frozen.
+const PATIENCE: Duration = Duration::from_secs(45);
+/// Between two keys: a slow picture comes in that time.
+const KEY: &str = "350";
+/// Height of "Restart" and "Abort" in the card of a pause \[points\]; the card stands at the middle of the upper edge.
+const ABORT: f64 = 121.0;
+const RESTART: f64 = 83.0;
+/// The first buttons of the launcher and of the screens that it leads to, in the order in which the tabulator reaches them.
+const QUIT_LANGUAGE_SETTINGS_RECORDS: [usize; 2] = [3, 4];
+
+/// The player.
+pub struct Player<'a> {
+    pub display: &'a Display,
+    pub random: SplitMix64,
+    /// Where sessions are recorded.
+    pub sessions: PathBuf,
+    /// Pixels of a point.
+    pub scale: f64,
+    size: [f64; 2],
+}
+
+impl<'a> Player<'a> {
+    pub fn new(display: &'a Display, seed: u64, data: &Path) -> Self {
+        Self {
+            display,
+            random: SplitMix64(seed),
+            sessions: data.join("sessions"),
+            scale: 1.0,
+            size: [1280.0, 720.0],
+        }
+    }
+
+    /// Gives the window the keyboard, wherever it came back.
+    pub fn focus(&mut self) -> Result<String, String> {
+        let start = Instant::now();
+        loop {
+            let search = ["search", "--onlyvisible", "--name", "^MicroSim$"];
+            let found = self.display.ask(&search).unwrap_or_default();
+            if let Some(id) = found.lines().last() {
+                let id = id.to_owned();
+                if self.display.ask(&["windowfocus", "--sync", &id]).is_ok() {
+                    self.measure(&id)?;
+                    return Ok(id);
+                }
+            }
+            if start.elapsed() > PATIENCE {
+                return Err(format!("no window is seen for {PATIENCE:?}"));
+            }
+            std::thread::sleep(Duration::from_millis(300));
+        }
+    }
+
+    fn measure(&mut self, id: &str) -> Result<(), String> {
+        let text = self.display.ask(&["getwindowgeometry", "--shell", id])?;
+        let value = |name: &str| {
+            let line = text.lines().find_map(|line| line.strip_prefix(name));
+            line.and_then(|value| value.trim_start_matches('=').parse::<f64>().ok())
+        };
+        let size = value("WIDTH").zip(value("HEIGHT"));
+        let (width, height) = size.ok_or_else(|| format!("xdotool gives no size: {text}"))?;
+        self.size = [width, height];
+        Ok(())
+    }
+
+    pub fn wait(&self, seconds: f64) {
+        std::thread::sleep(Duration::from_secs_f64(seconds));
+    }
+
+    pub fn keys(&self, keys: &[&str]) -> Result<(), String> {
+        let words: Vec<&str> = ["key", "--delay", KEY]
+            .iter()
+            .chain(keys)
+            .copied()
+            .collect();
+        self.display.ask(&words).map(drop)
+    }
+
+    /// Goes to the n-th button by keyboard and presses it.
+    pub fn press(&self, n: usize) -> Result<(), String> {
+        let mut keys = vec!["Tab"; n];
+        keys.push("space");
+        self.keys(&keys)?;
+        self.wait(0.8);
+        Ok(())
+    }
+
+    fn click(&self, [x, y]: [f64; 2]) -> Result<(), String> {
+        let [x, y] = [x, y].map(|v| v.round().to_string());
+        self.display
+            .ask(&[
+                "mousemove",
+                &x,
+                &y,
+                "sleep",
+                "0.7",
+                "mousedown",
+                "1",
+                "sleep",
+                "0.2",
+                "mouseup",
+                "1",
+            ])
+            .map(drop)
+    }
+
+    /// All sessions that were begun.
+    pub fn begun(&self) -> BTreeSet<PathBuf> {
+        files(&self.sessions, "session")
+    }
+
+    fn until<T>(&self, what: &str, seen: impl Fn() -> Option<T>) -> Result<T, String> {
+        let start = Instant::now();
+        loop {
+            if let Some(found) = seen() {
+                return Ok(found);
+            }
+            if start.elapsed() > PATIENCE {
+                return Err(format!("{what} not within {PATIENCE:?}"));
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+
+    /// From the launcher into a level; gives its session.
+    pub fn begin(&self, module: usize, level: u32) -> Result<PathBuf, String> {
+        let before = self.begun();
+        // What has the keyboard gives it back; then to the first module and from there.
+        self.keys(&["Escape"])?;
+        let mut keys = vec!["Up"; 10];
+        keys.extend(vec!["Down"; module]);
+        keys.extend(vec!["Right"; level as usize - 1]);
+        keys.push("Return");
+        self.display.ask(&["mousemove", "500", "5"])?;
+        let mut words = vec!["key", "--delay", "60"];
+        words.extend(keys);
+        self.display.ask(&words)?;
+        let session = self.until("a level begins", || {
+            self.begun().difference(&before).next().cloned()
+        })?;
+        self.wait(2.0);
+        self.keys(&["Return"])?;
+        Ok(session)
+    }
+
+    /// Whether the report of a session is there.
+    pub fn has_ended(&self, session: &Path) -> bool {
+        session.with_extension("html").exists()
+    }
+
+    /// A gesture within the field: it moves, closes, turns, raises, takes the other hand, or does something to the microscope.
+    pub fn gesture(&mut self) -> Result<(), String> {
+        let mut random = |most: f64| most * self.random.number();
+        let [x, y] = [0.5 + random(0.2), 0.5 + random(0.3)];
+        let place = [x * self.size[0], y * self.size[1]].map(|v| v.round().to_string());
+        let mut words: Vec<String> = vec!["mousemove".into(), place[0].clone(), place[1].clone()];
+        let button = match self.random.below(4) {
+            0 | 1 => None,
+            2 => Some("1"),
+            _ => Some("3"),
+        };
+        let mut add = |parts: &[&str]| words.extend(parts.iter().map(|part| (*part).to_owned()));
+        if let Some(button) = button {
+            add(&["mousedown", button]);
+        }
+        for _ in 0..12 {
+            let step = [0; 2].map(|_: i32| (20.0 * self.random.number()).round().to_string());
+            add(&[
+                "mousemove_relative",
+                "--",
+                &step[0],
+                &step[1],
+                "sleep",
+                "0.04",
+            ]);
+        }
+        if let Some(button) = button {
+            add(&["mouseup", button]);
+        }
+        let wheel = if self.random.below(2) == 0 { "4" } else { "5" };
+        let keys = [
+            "c", "q", "e", "w", "s", "plus", "minus", "i", "j", "k", "l", "u", "o", "0", "Tab",
+            "Left", "Right",
+        ];
+        match self.random.below(3) {
+            0 => add(&["click", "--repeat", "4", "--delay", "60", wheel]),
+            1 => add(&["key", keys[self.random.below(keys.len() as u64) as usize]]),
+            _ => {}
+        }
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        self.display.ask(&words).map(drop)
+    }
+
+    /// Plays for a while, or until the level has ended by itself.
+    pub fn play(&mut self, session: &Path, seconds: f64) -> Result<(), String> {
+        let start = Instant::now();
+        while start.elapsed().as_secs_f64() < seconds && !self.has_ended(session) {
+            self.gesture()?;
+        }
+        Ok(())
+    }
+
+    fn on_card(&self, height: f64) -> Result<(), String> {
+        self.keys(&["Escape"])?;
+        self.wait(1.0);
+        self.click([self.size[0] / 2.0, height * self.scale])
+    }
+
+    /// Begins the level again; gives the new session.
+    pub fn restart(&self) -> Result<PathBuf, String> {
+        let before = self.begun();
+        self.on_card(RESTART)?;
+        let session = self.until("it restarts", || {
+            self.begun().difference(&before).next().cloned()
+        })?;
+        self.wait(2.0);
+        self.keys(&["Return"])?;
+        Ok(session)
+    }
+
+    /// Ends a level that goes on; afterwards the debrief is shown.
+    pub fn end(&mut self, session: &Path) -> Result<(), String> {
+        self.focus()?;
+        for _ in 0..3 {
+            if self.has_ended(session) {
+                break;
+            }
+            self.on_card(ABORT)?;
+            let start = Instant::now();
+            while start.elapsed() < Duration::from_secs(10) && !self.has_ended(session) {
+                std::thread::sleep(Duration::from_millis(200));
+            }
+        }
+        self.until("the report of an aborted level", || {
+            self.has_ended(session).then_some(())
+        })?;
+        self.wait(1.5);
+        Ok(())
+    }
+
+    /// From the debrief to the replay and back: it plays, jumps, and goes back.
+    pub fn replay(&self) -> Result<(), String> {
+        self.changes("the replay", &["Escape", "r"])?;
+        self.wait(2.0);
+        self.keys(&["space", "5"])?;
+        self.wait(2.0);
+        self.keys(&["space", "Left", "Left", "Up", "Down", "End"])?;
+        self.wait(2.0);
+        self.keys(&["Home"])?;
+        self.changes("back from the replay", &["Escape"])
+    }
+
+    /// From the debrief to the modules: by the last button. On a loaded machine a key is lost between two pictures, and another button is reached: what was begun so is aborted.
+    pub fn to_modules(&mut self) -> Result<(), String> {
+        for _ in 0..4 {
+            let sessions = self.begun();
+            self.keys(&["Escape"])?;
+            self.display.ask(&["mousemove", "500", "5"])?;
+            self.wait(0.5);
+            let before = self.display.shot();
+            for n in [4, 3] {
+                self.press(n)?;
+                self.wait(1.5);
+                if let Some(session) = self.begun().difference(&sessions).next() {
+                    self.keys(&["Return"])?;
+                    self.wait(2.0);
+                    self.end(session)?;
+                    break;
+                }
+                if differs(&before.pixels, &self.display.shot().pixels) {
+                    return Ok(());
+                }
+                self.keys(&["Escape"])?;
+            }
+        }
+        Err("the debrief does not lead back to the modules".into())
+    }
+
+    /// Presses keys after which another screen is expected.
+    fn changes(&self, what: &str, keys: &[&str]) -> Result<(), String> {
+        let before = self.display.shot();
+        self.keys(keys)?;
+        self.until(what, || {
+            differs(&before.pixels, &self.display.shot().pixels).then_some(())
+        })
+    }
+
+    /// From the launcher to the results, their tabs and the store, and back.
+    pub fn records(&self) -> Result<(), String> {
+        let records = QUIT_LANGUAGE_SETTINGS_RECORDS[1];
+        self.keys(&["Escape"])?;
+        self.changes(
+            "the results",
+            &[&vec!["Tab"; records][..], &["space"]].concat(),
+        )?;
+        self.wait(1.0);
+        self.changes("courses and data", &["Tab", "Tab", "Tab", "space"])?;
+        self.wait(1.0);
+        self.changes("back to the results", &["Tab", "space"])?;
+        self.wait(1.0);
+        self.changes("back to the modules", &["Tab", "space"])
+    }
+
+    /// From the launcher to the settings: a language, a quality, a stereo layout; and back.
+    pub fn settings(&mut self) -> Result<(), String> {
+        let settings = QUIT_LANGUAGE_SETTINGS_RECORDS[0];
+        self.keys(&["Escape"])?;
+        self.changes(
+            "the settings",
+            &[&vec!["Tab"; settings][..], &["space"]].concat(),
+        )?;
+        self.wait(1.0);
+        // Back, store, two languages, four qualities, depth of field, stereo.
+        let language = 3 + self.random.below(2) as usize;
+        self.press(language)?;
+        self.keys(&["Escape"])?;
+        let quality = 5 + self.random.below(3) as usize;
+        self.press(quality)?;
+        self.keys(&["Escape"])?;
+        self.press(10)?;
+        let layout = 1 + self.random.below(5) as usize;
+        self.press(layout)?;
+        // What has the keyboard gives it back, then it is a key of the screen.
+        self.changes("back to the modules", &["Escape", "Escape", "Escape"])
+    }
+}
+
+/// Whether two pictures of the display are of different screens: more than a fiftieth of their pixels changed.
+fn differs(before: &[[u8; 3]], after: &[[u8; 3]]) -> bool {
+    let changed = before.iter().zip(after).filter(|(a, b)| a != b).count();
+    50 * changed > before.len()
+}
+
+fn files(folder: &Path, extension: &str) -> BTreeSet<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let of = |path: &PathBuf| path.extension().is_some_and(|e| e == extension);
+    entries.map(|entry| entry.path()).filter(of).collect()
+}
