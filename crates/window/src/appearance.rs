@@ -2,9 +2,10 @@
 
 use crate::look;
 use crate::rows::cell;
+use crate::shortcut;
 use crate::text::{self, Phrase, number};
 use eframe::egui::{
-    self, Align, Button, ComboBox, Key, Label, Layout, RichText, ScrollArea, Slider, Ui,
+    self, Align, Button, ComboBox, Label, Layout, RichText, ScrollArea, Slider, Ui,
 };
 use microsim_settings::{BASE_MAX, WORKING_DISTANCES, WindowSettings};
 use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
@@ -79,10 +80,6 @@ impl Appearance {
         language: Language,
     ) -> Option<Wanted> {
         let mut wanted = None;
-        let is_free = ui.memory(|memory| memory.focused().is_none());
-        if is_free && ui.input(|input| input.key_pressed(Key::Escape)) {
-            wanted = Some(Wanted::Back);
-        }
         egui::Panel::top("settings")
             .show_separator_line(false)
             .show(ui, |ui| {
@@ -90,7 +87,7 @@ impl Appearance {
                 ui.horizontal(|ui| {
                     ui.heading(text::SETTINGS.of(language));
                     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                        if ui.button(text::BACK.of(language)).clicked() {
+                        if shortcut::button(ui, text::BACK.of(language), shortcut::BACK) {
                             wanted = Some(Wanted::Back);
                         }
                     });

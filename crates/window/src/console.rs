@@ -4,6 +4,7 @@ use crate::look;
 use crate::panels;
 use crate::player::{SPEEDS, State};
 use crate::plot::{self, Curve};
+use crate::shortcut;
 use crate::text::{self, Phrase, local, number};
 use crate::timeline::{self, Mark, TimeLine};
 use eframe::egui::{
@@ -167,7 +168,7 @@ impl Console<'_> {
                 if ui.button(text::TO_THE_DEBRIEF.of(language)).clicked() {
                     asked.push(Asked::Back);
                 }
-                if ui.button(text::LANGUAGE.of(language)).clicked() {
+                if shortcut::button(ui, text::LANGUAGE.of(language), shortcut::LANGUAGE) {
                     asked.push(Asked::Language);
                 }
                 let session = &self.report.session;

@@ -3,6 +3,7 @@
 use crate::ledger::Debrief;
 use crate::look;
 use crate::plot;
+use crate::shortcut;
 use crate::text::{self, Phrase, local, number};
 use crate::timeline;
 use eframe::egui::{self, Color32, Key, ProgressBar, RichText, ScrollArea, Ui};
@@ -48,28 +49,23 @@ pub fn show(ui: &mut Ui, debrief: &Debrief, has_next: bool, language: Language) 
         .show_separator_line(false)
         .show(ui, |ui| {
             ui.add_space(6.0);
-            // Where nothing is being chosen by keyboard.
-            let is_free = ui.memory(|memory| memory.focused().is_none());
-            if is_free && ui.input(|input| input.key_pressed(Key::R)) {
-                next = Some(Next::Replay(0));
-            }
             ui.horizontal(|ui| {
                 // What most people want next is the next level, once this one is passed.
                 let has_passed = report.verdict == Verdict::Passed;
-                let button = |text: Phrase, is_main| match is_main {
-                    true => look::main_button(text.of(language)),
-                    false => egui::Button::new(text.of(language)),
+                let mut button = |text: Phrase, key, is_main| match is_main {
+                    true => shortcut::main_button(ui, text.of(language), key),
+                    false => shortcut::button(ui, text.of(language), key),
                 };
-                if has_next && ui.add(button(text::NEXT_LEVEL, has_passed)).clicked() {
+                if has_next && button(text::NEXT_LEVEL, Key::N, has_passed) {
                     next = Some(Next::Onward);
                 }
-                if ui.add(button(text::AGAIN, !has_passed)).clicked() {
+                if button(text::AGAIN, Key::A, !has_passed) {
                     next = Some(Next::Again);
                 }
-                if ui.button(text::REPLAY_KEY.of(language)).clicked() {
+                if button(text::REPLAY, Key::R, false) {
                     next = Some(Next::Replay(0));
                 }
-                if ui.button(text::BACK.of(language)).clicked() {
+                if button(text::BACK, shortcut::BACK, false) {
                     next = Some(Next::Back);
                 }
             });

@@ -1,6 +1,7 @@
 //! Choosing: who trains, which module, which level.
 
 use crate::look;
+use crate::shortcut;
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, TraineeEntry};
 use crate::text::{self, local};
 use eframe::egui::{self, Align, Event, Key, Layout, ScrollArea, Sense, Ui};
@@ -71,13 +72,13 @@ impl Launcher {
                         if ui.button(text::QUIT.of(language)).clicked() {
                             wanted = Some(Wanted::Quit);
                         }
-                        if ui.button(text::LANGUAGE.of(language)).clicked() {
+                        if shortcut::button(ui, text::LANGUAGE.of(language), shortcut::LANGUAGE) {
                             wanted = Some(Wanted::Language);
                         }
-                        if ui.button(text::SETTINGS.of(language)).clicked() {
+                        if shortcut::button(ui, text::SETTINGS.of(language), shortcut::SETTINGS) {
                             wanted = Some(Wanted::Settings);
                         }
-                        if ui.button(text::RECORDS.of(language)).clicked() {
+                        if shortcut::button(ui, text::RESULTS.of(language), shortcut::RECORDS) {
                             wanted = Some(Wanted::Records);
                         }
                         self.choose_trainee(ui, offer, language);
@@ -162,7 +163,7 @@ impl Launcher {
                 let shown = chosen.map_or(nobody, |trainee| &trainee.name);
                 egui::ComboBox::from_id_salt("trainee")
                     .selected_text(shown)
-                    .width(220.0)
+                    .width(190.0)
                     .show_ui(ui, |ui| {
                         ui.selectable_value(&mut self.trainee, None, nobody);
                         for trainee in trainees {

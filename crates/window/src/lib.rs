@@ -52,6 +52,7 @@ mod records;
 mod replay;
 mod rows;
 mod scope;
+mod shortcut;
 mod station;
 #[cfg(test)]
 mod tests;

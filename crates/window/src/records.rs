@@ -7,6 +7,7 @@ use crate::ledger::{Change, Debrief, Ledger, Person, Selection};
 use crate::look;
 use crate::person::{self, Details};
 use crate::rows::{TWO_LINES, row};
+use crate::shortcut;
 use crate::text::{self, Phrase};
 use eframe::egui::{self, Align, Key, Label, Layout, RichText, ScrollArea, TextEdit, Ui};
 use microsim_vocabulary::Language;
@@ -138,13 +139,13 @@ impl Records {
                 ui.horizontal(|ui| {
                     ui.heading(text::RECORDS.of(language));
                     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                        if ui.button(text::BACK.of(language)).clicked() {
+                        if shortcut::button(ui, text::BACK.of(language), shortcut::BACK) {
                             wanted = Some(Wanted::Back);
                         }
-                        if ui.button(text::LANGUAGE.of(language)).clicked() {
+                        if shortcut::button(ui, text::LANGUAGE.of(language), shortcut::LANGUAGE) {
                             wanted = Some(Wanted::Language);
                         }
-                        if ui.button(text::UPKEEP.of(language)).clicked() {
+                        if shortcut::button(ui, text::UPKEEP.of(language), shortcut::UPKEEP) {
                             wanted = Some(Wanted::Upkeep);
                         }
                     });

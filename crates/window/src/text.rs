@@ -124,7 +124,6 @@ phrases! {
     NOT_BEGUN: "Die Stufe konnte nicht beginnen", "The level could not begin";
 
     REPLAY: "Wiedergabe", "Replay";
-    REPLAY_KEY: "Wiedergabe (R)", "Replay (R)";
     CLICK_TO_REPLAY: "Ein Klick zeigt den Augenblick in der Wiedergabe", "A click shows the moment in the replay";
     NO_REPLAY: "Die Aufzeichnung kann nicht abgespielt werden", "The session cannot be replayed";
     TO_THE_DEBRIEF: "Zur Auswertung (Esc)", "Back to the debrief (Esc)";

@@ -11,7 +11,7 @@ use crate::panels::{Instrument, Pictures, Task};
 use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
 use crate::text;
-use crate::{hands, look, panels};
+use crate::{hands, look, panels, shortcut};
 use eframe::egui::{self, Key, Rect, RichText, Ui};
 use microsim_message::{LevelState, ToolStates};
 use microsim_render::{Models, Quality};
@@ -277,13 +277,11 @@ impl Training {
             ui.label(RichText::new(title).size(18.0).strong());
             ui.label(text::local(&self.level.summary, language));
             ui.add_space(6.0);
-            let begin = ui.add(look::main_button(text::START.of(language)));
-            let enter = ui.input(|input| input.key_pressed(Key::Enter));
-            if begin.clicked() || enter {
+            if shortcut::main_button(ui, text::START.of(language), Key::Enter) {
                 self.has_begun = true;
                 self.live.pause(false);
             }
-            if ui.button(text::BACK.of(language)).clicked() {
+            if shortcut::button(ui, text::BACK.of(language), shortcut::BACK) {
                 outcome = Some(Outcome::Back);
             }
         });
@@ -299,16 +297,15 @@ impl Training {
                 ui.label(look::quiet(why));
             }
             ui.add_space(6.0);
-            if ui
-                .add(look::main_button(text::RESUME.of(language)))
-                .clicked()
-            {
+            // Its key is that of the pause, which is looked at before.
+            let resume = shortcut::labelled(text::RESUME.of(language), Key::Escape);
+            if ui.add(look::main_button(&resume)).clicked() {
                 self.live.pause(false);
             }
-            if ui.button(text::RESTART.of(language)).clicked() {
+            if shortcut::button(ui, text::RESTART.of(language), shortcut::RESTART) {
                 outcome = Some(Outcome::Restart);
             }
-            if ui.button(text::ABORT.of(language)).clicked() {
+            if shortcut::button(ui, text::ABORT.of(language), shortcut::ABORT) {
                 self.live.abort();
                 self.live.pause(false);
             }

@@ -3,6 +3,7 @@
 use crate::ledger::{Change, CourseEntry, Done, Ledger, Participant, Work};
 use crate::look;
 use crate::rows::{LINE, TWO_LINES, cell, row};
+use crate::shortcut;
 use crate::text::{self, Phrase, local};
 use crate::work::{Running, left};
 use eframe::egui::{
@@ -155,10 +156,11 @@ impl Upkeep {
                 ui.horizontal(|ui| {
                     ui.heading(text::UPKEEP.of(language));
                     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                        if ui.button(text::BACK_TO_RECORDS.of(language)).clicked() {
+                        if shortcut::button(ui, text::BACK_TO_RECORDS.of(language), shortcut::BACK)
+                        {
                             wanted = Some(Wanted::Back);
                         }
-                        if ui.button(text::LANGUAGE.of(language)).clicked() {
+                        if shortcut::button(ui, text::LANGUAGE.of(language), shortcut::LANGUAGE) {
                             wanted = Some(Wanted::Language);
                         }
                     });

@@ -8,8 +8,8 @@
 use microsim_gpu::Gpu;
 use microsim_render::{Models, Picture, Quality, Renderer, View, snapshot};
 use microsim_sdk::message::{
-    MicroscopeView, ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT, ToolPlacements,
-    ToolStates,
+    MicroscopeView, ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT,
+    ToolPlacements, ToolStates,
 };
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::RendererConfig;

@@ -230,12 +230,14 @@ pub(super) fn click_on(text: &str, show: impl FnMut(&mut Ui)) {
     click_in(SIZE, text, show);
 }
 
-/// The same in a window of any size.
+/// The same in a window of any size. A button may have its key behind its text.
 #[track_caller]
 pub(super) fn click_in(size: [f32; 2], text: &str, mut show: impl FnMut(&mut Ui)) {
     let mut show = |events| texts(size, events, &mut show);
     let found = show(Vec::new());
-    let place = found.iter().find(|(found, ..)| found == text);
+    let with_key = format!("{text} (");
+    let is_wanted = |found: &str| found == text || found.starts_with(&with_key);
+    let place = found.iter().find(|(found, ..)| is_wanted(found));
     let place = place
         .unwrap_or_else(|| panic!("no {text:?} in {found:?}"))
         .1;
