@@ -3,7 +3,7 @@
 use crate::document::{Loaded, Reading, load_text};
 use crate::error::ConfigErrors;
 use crate::files::schema_of;
-use crate::kinds::quantity;
+use crate::kinds::{quantity, ratio};
 use crate::table::table;
 use microsim_vocabulary::{EyeLayout, Language, PictureQuality, Unit};
 use std::path::Path;
@@ -12,6 +12,8 @@ use std::path::Path;
 pub const BASE_MAX: f64 = 0.07;
 /// Nearest and farthest main lens of surgical microscopes \[m\].
 pub const WORKING_DISTANCES: [f64; 2] = [0.2, 0.45];
+/// Slowest and fastest motion by gamepads and SpaceMice at full deflection \[diameters of the field per second\].
+pub const CONTROLLER_SPEEDS: [f64; 2] = [0.05, 2.0];
 
 table! {
     /// How the window looks. Nothing that is computed or recorded depends on it.
@@ -34,6 +36,12 @@ table! {
         full_screen: bool => false,
         /// Whether panels stand beside the picture; without them the picture takes all of the window.
         panels: bool => true,
+        /// Whether touch, cuts, tears and too much force are heard, where there is a device for it.
+        audio: bool => true,
+        /// How loud, from 0 to 1.
+        volume: f64 = ratio(1.0) => 0.5,
+        /// How fast gamepads and SpaceMice move a tip at full deflection, in diameters of the field per second.
+        controller_speed: f64 = quantity(Unit::Ratio, CONTROLLER_SPEEDS[0], CONTROLLER_SPEEDS[1]) => 0.5,
     }
 }
 
@@ -48,6 +56,9 @@ impl Default for WindowSettings {
             depth_of_field: true,
             full_screen: false,
             panels: true,
+            audio: true,
+            volume: 0.5,
+            controller_speed: 0.5,
         }
     }
 }
@@ -56,13 +67,14 @@ impl WindowSettings {
     /// The file that has them: lengths to a micrometre.
     pub fn text(&self) -> String {
         let millimetres = |length: f64| (1e6 * length).round() / 1e3;
+        let hundredths = |number: f64| (1e2 * number).round() / 1e2;
         let language = self
             .language
             .map(|language| format!("language = \"{}\"\n", language.name()));
         format!(
             "# How the window looks; written by its settings screen. `microsim schema window --markdown` lists all keys.\n\
              {}quality = \"{}\"\nstereo = \"{}\"\nstereo_base = \"{} mm\"\nworking_distance = \"{} mm\"\n\
-             depth_of_field = {}\nfull_screen = {}\npanels = {}\n",
+             depth_of_field = {}\nfull_screen = {}\npanels = {}\naudio = {}\nvolume = {}\ncontroller_speed = {}\n",
             language.unwrap_or_default(),
             self.quality.name(),
             self.stereo.name(),
@@ -70,7 +82,10 @@ impl WindowSettings {
             millimetres(self.working_distance),
             self.depth_of_field,
             self.full_screen,
-            self.panels
+            self.panels,
+            self.audio,
+            hundredths(self.volume),
+            hundredths(self.controller_speed)
         )
     }
 }
@@ -122,6 +137,9 @@ mod tests {
                     depth_of_field: false,
                     full_screen: true,
                     panels: false,
+                    audio: false,
+                    volume: 0.15,
+                    controller_speed: 1.25,
                 };
                 let again = read(&settings.text());
                 assert!((again.stereo_base - settings.stereo_base).abs() < 1e-12);

@@ -9,11 +9,13 @@ use crate::look;
 use crate::records::{self, Records};
 use crate::replay::{self, Replay};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
+use crate::steering::{self, Stage};
 use crate::text;
 use crate::threads;
 use crate::training::{Outcome, Training};
 use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, Key, RichText, Ui};
+use microsim_controller::Controllers;
 use microsim_settings::WindowSettings;
 use microsim_vocabulary::Language;
 use std::fmt;
@@ -114,6 +116,8 @@ struct Desk {
     screen: Screen,
     /// The thread of the replay that was left last: it may compute still.
     left: Option<JoinHandle<()>>,
+    /// Gamepads and SpaceMice, unless the system had no thread to look for them.
+    controllers: Option<Controllers>,
 }
 
 impl Desk {
@@ -127,7 +131,13 @@ impl Desk {
         field.set(&opening.settings);
         look::apply(&context.egui_ctx);
         let catalogue = station.catalogue();
+        let wake = context.egui_ctx.clone();
+        let controllers = Controllers::start(move || wake.request_repaint());
+        let controllers = controllers.inspect_err(|why| {
+            tracing::warn!("no gamepads and SpaceMice: no thread for them: {why}");
+        });
         let mut desk = Self {
+            controllers: controllers.ok(),
             trainees: station.trainees(),
             language: opening.language,
             // What is stored is what is shown.
@@ -187,7 +197,12 @@ impl Desk {
             }),
         };
         self.screen = match begun {
-            Ok(training) => Screen::Training(Box::new(training)),
+            Ok(mut training) => {
+                let speed = self.settings.controller_speed;
+                let controllers = self.controllers.clone();
+                training.controllers = controllers.map(|controllers| (controllers, speed));
+                Screen::Training(Box::new(training))
+            }
             Err(why) => Screen::Complaint(why),
         };
     }
@@ -324,6 +339,18 @@ impl Desk {
         self.settings.language = Some(self.language);
     }
 
+    /// Keys that buttons of gamepads and SpaceMice stand for.
+    fn press_by_controllers(&self, ui: &Ui) {
+        let presses = self.controllers.as_ref().map(Controllers::presses);
+        let stage = match &self.screen {
+            Screen::Training(training) => training.stage(),
+            Screen::Replay(..) => Stage::Replay,
+            Screen::Launcher => Stage::Before,
+            _ => Stage::Other,
+        };
+        steering::press_keys(ui, &presses.unwrap_or_default(), stage);
+    }
+
     /// Keys that work on every screen.
     fn set_by_keys(&mut self, ui: &Ui) {
         let mut settings = self.settings;
@@ -438,6 +465,7 @@ impl eframe::App for Desk {
         if takes_files && !ui.input(|input| input.raw.dropped_files.is_empty()) {
             self.open_upkeep();
         }
+        self.press_by_controllers(ui);
         self.set_by_keys(ui);
         let panels = self.settings.panels;
         match &mut self.screen {

@@ -4,6 +4,7 @@
 use crate::ledger::Debrief;
 use crate::pace::Pace;
 use crate::station::LiveSession;
+use crate::steering::Steering;
 use crate::threads;
 use microsim_bus::{Block, BlockView, Frames, kind_id};
 use microsim_host::playback::{Messages, Moment};
@@ -79,6 +80,8 @@ struct Wishes {
 #[derive(Default)]
 struct Exchange {
     wishes: Mutex<Wishes>,
+    /// What gamepads and SpaceMice move: asked with each tick, so that it does not depend on pictures.
+    steering: Mutex<Option<Steering>>,
     view: Mutex<Option<MicroscopeView>>,
     latest: Mutex<Option<Snapshot>>,
     pace: Mutex<Pace>,
@@ -165,6 +168,24 @@ impl Live {
         }
     }
 
+    /// What gamepads and SpaceMice move from now on; `None`: nothing.
+    pub fn steer(&self, mut steering: Option<Steering>) {
+        let mut current = lock(&self.exchange.steering);
+        match (&*current, &mut steering) {
+            (Some(before), Some(now)) if before.grasp.tool == now.grasp.tool => {
+                now.grasp.is_closed = before.grasp.is_closed;
+            }
+            (before, _) => {
+                let released = before.as_ref().and_then(|before| before.grasp.release());
+                released.into_iter().for_each(|wish| self.wish(wish));
+            }
+        }
+        if let (None, Some(now)) = (&*current, &steering) {
+            now.controllers.skip();
+        }
+        *current = steering;
+    }
+
     /// Records how the microscope is set, with the next tick.
     pub fn look(&self, view: MicroscopeView) {
         *lock(&self.exchange.view) = Some(view);
@@ -226,6 +247,10 @@ impl Operator for Seat<'_> {
         for wish in &wishes.of_tools {
             push(frames, wish);
         }
+        if let Some(steering) = &mut *lock(&self.exchange.steering) {
+            let wish = steering.grasp.wish(steering.controllers.take());
+            wish.iter().for_each(|wish| push(frames, wish));
+        }
         if let Some(since) = wishes.since {
             lock(&self.exchange.pace)
                 .waits
@@ -238,8 +263,12 @@ impl Operator for Seat<'_> {
 
     fn is_paused(&self) -> bool {
         let exchange = self.exchange;
-        exchange.has_first_tick.load(Ordering::Relaxed)
-            && exchange.is_paused.load(Ordering::Relaxed)
+        let is_paused = exchange.has_first_tick.load(Ordering::Relaxed)
+            && exchange.is_paused.load(Ordering::Relaxed);
+        if let Some(steering) = lock(&exchange.steering).as_ref().filter(|_| is_paused) {
+            steering.controllers.skip();
+        }
+        is_paused
     }
 
     fn see(&mut self, seen: Seen<'_>) {

@@ -9,9 +9,11 @@ use crate::pace::Times;
 use crate::panels::{Instrument, Pictures, Task};
 use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
+use crate::steering::{self, Grasp, Steering};
 use crate::text;
 use crate::{look, panels};
 use eframe::egui::{self, Key, Rect, RichText, Ui};
+use microsim_controller::Controllers;
 use microsim_message::{LevelState, ToolStates};
 use microsim_render::{Models, Quality};
 use microsim_settings::RendererConfig;
@@ -46,6 +48,8 @@ pub struct Training {
     /// From snapshots to their pictures.
     delays: Arc<Mutex<Times>>,
     account: Account,
+    /// Gamepads and SpaceMice, and how fast they move a tip at full deflection \[diameters of the field per second\].
+    pub controllers: Option<(Controllers, f64)>,
 }
 
 /// What the trainee or operator asked for, or what came of the run.
@@ -96,6 +100,7 @@ impl Training {
             drawn: VecDeque::new(),
             delays: Arc::default(),
             account: Account::default(),
+            controllers: None,
         })
     }
 
@@ -147,8 +152,28 @@ impl Training {
             hands.look(self.scope.view());
             let wishes = ui.input(|input| hands.wishes(input, field.eye(picture)));
             wishes.into_iter().for_each(|wish| self.live.wish(wish));
+            let grasp = hands.grasp();
+            let is_used = ui.input(|input| input.focused);
+            let steering = self.controllers.as_ref().zip(grasp);
+            let steering = steering.filter(|_| is_used);
+            self.live
+                .steer(steering.map(|((controllers, speed), grasp)| Steering {
+                    controllers: controllers.clone(),
+                    grasp: Grasp {
+                        speed: speed * self.scope.view().field,
+                        ..grasp
+                    },
+                }));
         }
         None
+    }
+
+    /// What buttons of devices stand for.
+    pub fn stage(&self) -> steering::Stage {
+        match self.has_begun {
+            true => steering::Stage::Run,
+            false => steering::Stage::Before,
+        }
     }
 
     fn show_task(&self, ui: &mut Ui, language: Language) {
@@ -186,17 +211,21 @@ impl Training {
                 keeps_closed: hands.is_some_and(|hands| hands.keeps(index)),
             })
             .collect();
+        let controllers = self.controllers.as_ref().filter(|_| hands.is_some());
+        let presences = controllers.map(|(controllers, _)| controllers.presences());
+        let presences = presences.unwrap_or_default();
         let pace = self.live.pace();
         let delays = self.delays.lock();
         let delays = delays.unwrap_or_else(PoisonError::into_inner).clone();
         let panel = egui::Panel::right("instruments")
             .exact_size(PANEL)
             .resizable(false);
-        panel.show(ui, |ui| {
+        let show = |ui: &mut Ui| {
             panels::instruments(ui, &instruments, language);
+            steering::presences(ui, &presences, language);
             panels::scope(ui, self.scope.magnification(), language);
             if hands.is_some() {
-                panels::help(ui, language);
+                panels::help(ui, &steering::help(&presences), language);
             }
             let pictures = Pictures {
                 rate: self.rate(),
@@ -204,7 +233,8 @@ impl Training {
                 quality,
             };
             panels::pace(ui, &pace, &pictures, language);
-        });
+        };
+        panel.show(ui, |ui| panels::scrolled(ui, show));
     }
 
     /// Draws the newest snapshot; gives the place of the picture.
