@@ -15,6 +15,7 @@ use crate::threads;
 use crate::training::{Outcome, Training};
 use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, Key, RichText, Ui};
+use microsim_audio::Player;
 use microsim_controller::Controllers;
 use microsim_settings::WindowSettings;
 use microsim_vocabulary::Language;
@@ -201,6 +202,12 @@ impl Desk {
                 let speed = self.settings.controller_speed;
                 let controllers = self.controllers.clone();
                 training.controllers = controllers.map(|controllers| (controllers, speed));
+                if self.settings.audio {
+                    match Player::open(self.settings.volume) {
+                        Ok(player) => training.play_tones(player),
+                        Err(why) => tracing::info!("no tones: {why}"),
+                    }
+                }
                 Screen::Training(Box::new(training))
             }
             Err(why) => Screen::Complaint(why),

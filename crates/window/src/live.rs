@@ -6,12 +6,13 @@ use crate::pace::Pace;
 use crate::station::LiveSession;
 use crate::steering::Steering;
 use crate::threads;
+use microsim_audio::{Cues, Player};
 use microsim_bus::{Block, BlockView, Frames, kind_id};
 use microsim_host::playback::{Messages, Moment};
 use microsim_host::run::{Operator, Seen};
 use microsim_message::{
-    DesktopInput, InputSample, InputTiming, LevelEvent, LevelState, Message, MicroscopeView,
-    ObjectScene, SolverTick, ToolPlacements, ToolStates, decode, push,
+    ContactForces, DesktopInput, InputSample, InputTiming, LevelEvent, LevelState, Message,
+    MicroscopeView, ObjectScene, SolverTick, TissueCut, ToolPlacements, ToolStates, decode, push,
 };
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -83,6 +84,8 @@ struct Exchange {
     /// What gamepads and SpaceMice move: asked with each tick, so that it does not depend on pictures.
     steering: Mutex<Option<Steering>>,
     view: Mutex<Option<MicroscopeView>>,
+    /// What has tones, and who plays them.
+    tones: Mutex<Option<(Cues, Player)>>,
     latest: Mutex<Option<Snapshot>>,
     pace: Mutex<Pace>,
     events: Mutex<Vec<LevelEvent>>,
@@ -186,6 +189,11 @@ impl Live {
         *current = steering;
     }
 
+    /// Plays tones of what happens from now on.
+    pub fn play_tones(&self, cues: Cues, player: Player) {
+        *lock(&self.exchange.tones) = Some((cues, player));
+    }
+
     /// Records how the microscope is set, with the next tick.
     pub fn look(&self, view: MicroscopeView) {
         *lock(&self.exchange.view) = Some(view);
@@ -273,6 +281,7 @@ impl Operator for Seat<'_> {
 
     fn see(&mut self, seen: Seen<'_>) {
         let mut solver: Option<SolverTick> = None;
+        let mut tones = lock(&self.exchange.tones);
         let mut pace = lock(&self.exchange.pace);
         for frame in Frames::new(seen.log).filter_map(Result::ok) {
             if Self::is_shown(frame.header.kind) {
@@ -287,8 +296,17 @@ impl Operator for Seat<'_> {
                 pace.add(&timing);
             } else if let Some(Ok(sample)) = decode::<InputSample>(&frame) {
                 pace.add_sample(&sample);
+            } else if let Some((cues, player)) = &mut *tones {
+                if let Some(Ok(forces)) = decode::<ContactForces>(&frame) {
+                    let tones = cues.of_forces(&forces, seen.time).into_iter();
+                    tones.for_each(|tone| player.play(tone));
+                } else if let Some(Ok(cut)) = decode::<TissueCut>(&frame) {
+                    let tone = cues.of_cut(&cut, seen.time).into_iter();
+                    tone.for_each(|tone| player.play(tone));
+                }
             }
         }
+        drop(tones);
         pace.ticks.push(seen.duration);
         pace.late = seen.late_ticks;
         if let Some(solver) = solver {

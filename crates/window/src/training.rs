@@ -13,6 +13,7 @@ use crate::steering::{self, Grasp, Steering};
 use crate::text;
 use crate::{look, panels};
 use eframe::egui::{self, Key, Rect, RichText, Ui};
+use microsim_audio::{Cues, Player};
 use microsim_controller::Controllers;
 use microsim_message::{LevelState, ToolStates};
 use microsim_render::{Models, Quality};
@@ -50,6 +51,8 @@ pub struct Training {
     account: Account,
     /// Gamepads and SpaceMice, and how fast they move a tip at full deflection \[diameters of the field per second\].
     pub controllers: Option<(Controllers, f64)>,
+    /// Largest sustained force that the level takes \[N\].
+    force_limit: Option<f64>,
 }
 
 /// What the trainee or operator asked for, or what came of the run.
@@ -75,6 +78,7 @@ impl Training {
         context: &egui::Context,
     ) -> Result<Self, String> {
         let config = session.picture().clone();
+        let force_limit = session.force_limit();
         let files = session.files().iter();
         let files: Vec<(&str, &[u8])> = files.map(|f| (&f.name[..], &f.bytes[..])).collect();
         let models = Models::new(&files)?;
@@ -101,6 +105,7 @@ impl Training {
             delays: Arc::default(),
             account: Account::default(),
             controllers: None,
+            force_limit,
         })
     }
 
@@ -166,6 +171,11 @@ impl Training {
                 }));
         }
         None
+    }
+
+    /// Plays tones of what happens.
+    pub fn play_tones(&self, player: Player) {
+        self.live.play_tones(Cues::new(self.force_limit), player);
     }
 
     /// What buttons of devices stand for.
