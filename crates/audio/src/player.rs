@@ -20,6 +20,8 @@ use std::time::Duration;
 const SAMPLE: usize = 4;
 /// How long a tone waits in the server \[ms\], and how much it asks for at once.
 const LATENCY: [u32; 2] = [40, 10];
+/// Length of the key that servers compare \[bytes\]; they refuse a client without that many, also where they ask for none.
+const COOKIE: usize = 256;
 /// How long a server may take to answer while it is opened.
 const PATIENCE: Duration = Duration::from_secs(2);
 
@@ -109,7 +111,8 @@ struct Stream {
 }
 
 /// Makes a client with a stream of one channel.
-fn greet(server: &mut BufReader<UnixStream>, cookie: Vec<u8>) -> Result<Stream, ProtocolError> {
+fn greet(server: &mut BufReader<UnixStream>, mut cookie: Vec<u8>) -> Result<Stream, ProtocolError> {
+    cookie.resize(COOKIE, 0);
     let auth = Command::Auth(AuthParams {
         version: protocol::MAX_VERSION,
         supports_shm: false,
