@@ -71,11 +71,18 @@ fn length(ui: &mut Ui, metres: &mut f64, [least, most]: [f64; 2], language: Lang
 }
 
 /// A number that is chosen in steps of a twentieth.
-fn fraction(ui: &mut Ui, value: &mut f64, [least, most]: [f64; 2], language: Language) {
+fn fraction(
+    ui: &mut Ui,
+    value: &mut f64,
+    [least, most]: [f64; 2],
+    suffix: &str,
+    language: Language,
+) {
     let slider = Slider::new(value, least..=most)
         .step_by(0.05)
         .custom_formatter(|value, _| number(value, 2, language))
-        .custom_parser(|text| text.replace(',', ".").parse().ok());
+        .custom_parser(|text| text.replace(',', ".").parse().ok())
+        .suffix(suffix);
     ui.add(slider);
 }
 
@@ -147,6 +154,7 @@ pub fn changes_picture(before: &WindowSettings, after: &WindowSettings) -> bool 
         controller_speed: after.controller_speed,
         audio: after.audio,
         volume: after.volume,
+        pedal: after.pedal,
         ..*before
     };
     other_than_picture != *after
@@ -212,11 +220,12 @@ fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language)
         ui.checkbox(&mut settings.audio, text::AUDIO_OF.of(language));
     });
     row(ui, text::VOLUME, language, |ui| {
-        fraction(ui, &mut settings.volume, [0.0, 1.0], language);
+        fraction(ui, &mut settings.volume, [0.0, 1.0], "", language);
     });
     row(ui, text::CONTROLLER_SPEED, language, |ui| {
         let speed = &mut settings.controller_speed;
-        fraction(ui, speed, CONTROLLER_SPEEDS, language);
+        let suffix = text::FIELDS_PER_SECOND.of(language);
+        fraction(ui, speed, CONTROLLER_SPEEDS, suffix, language);
     });
     is_chosen
 }

@@ -6,6 +6,7 @@ use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
 use crate::look;
+use crate::pedal;
 use crate::records::{self, Records};
 use crate::replay::{self, Replay};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
@@ -202,6 +203,7 @@ impl Desk {
                 let speed = self.settings.controller_speed;
                 let controllers = self.controllers.clone();
                 training.controllers = controllers.map(|controllers| (controllers, speed));
+                training.pedal = self.settings.pedal;
                 if self.settings.audio {
                     match Player::open(self.settings.volume) {
                         Ok(player) => training.play_tones(player),
@@ -346,7 +348,7 @@ impl Desk {
         self.settings.language = Some(self.language);
     }
 
-    /// Keys that buttons of gamepads and SpaceMice stand for.
+    /// Keys that a foot switch and buttons of gamepads and SpaceMice stand for.
     fn press_by_controllers(&self, ui: &Ui) {
         let presses = self.controllers.as_ref().map(Controllers::presses);
         let stage = match &self.screen {
@@ -356,6 +358,7 @@ impl Desk {
             _ => Stage::Other,
         };
         steering::press_keys(ui, &presses.unwrap_or_default(), stage);
+        pedal::press_keys(ui, &self.settings.pedal, stage);
     }
 
     /// Keys that work on every screen.

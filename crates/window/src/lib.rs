@@ -10,6 +10,7 @@
 //! - `pace`: how well it follows the wall clock, and how long motions take to the picture; `account`: what the log states of both.
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `steering`: gamepads and SpaceMice as wishes and keys.
+//! - `pedal`: keys of a foot switch.
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture that `blit` copies into the window.
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
@@ -44,6 +45,7 @@ mod look;
 mod nearby;
 mod pace;
 mod panels;
+mod pedal;
 mod person;
 mod player;
 mod plot;

@@ -89,6 +89,13 @@ phrases! {
     NEVER_SEEN: "nie gesehen", "never seen";
     MOUSE: "Maus: Spitze bewegen · Rad: heben, senken · links: schließen · rechts ziehen: drehen", "Mouse: move the tip · wheel: raise, lower · left: close · drag right: turn";
     KEYS: "Tab: andere Hand · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · +, −, 0: Vergrößerung · I, J, K, L: Bild verschieben · U, O: Schärfe · Esc: Pause", "Tab: other hand · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · +, −, 0: magnification · I, J, K, L: move the view · U, O: focus · Esc: pause";
+    FOOT_SWITCH: "Fußschalter", "Foot switch";
+    MAGNIFY: "stärker vergrößern", "more magnification";
+    REDUCE: "schwächer vergrößern", "less magnification";
+    FOCUS_UP: "Schärfe höher", "focus up";
+    FOCUS_DOWN: "Schärfe tiefer", "focus down";
+    OTHER_HAND: "andere Hand", "other hand";
+    HOLD_CLOSED: "geschlossen halten", "keep closed";
     GAMEPAD: "Gamepad", "Gamepad";
     SPACE_MOUSE: "SpaceMouse", "SpaceMouse";
     PLUGGED_IN: "angeschlossen", "plugged in";
@@ -96,7 +103,7 @@ phrases! {
     NOT_READABLE: "ist angeschlossen und nicht lesbar:", "is plugged in and cannot be read:";
     GAMEPAD_HELP: "Linker Stick: Spitze bewegen · rechter Stick: heben, senken, drehen · RT: schließen, LT: fein · LB, RB: rollen · A: geschlossen halten · Y: andere Hand · Kreuz: auf, ab: neigen, links, rechts: Vergrößerung · Start: Pause", "Left stick: move the tip · right stick: raise, lower, turn · RT: close, LT: fine · LB, RB: roll · A: keep closed · Y: other hand · cross: up, down: tilt, left, right: magnification · Start: pause";
     SPACE_MOUSE_HELP: "Kappe: Spitze und Griff bewegen · linke Taste: andere Hand · rechte Taste: geschlossen halten", "Cap: move tip and handle · left button: other hand · right button: keep closed";
-    CONTROLLER_SPEED: "Gamepad, SpaceMouse: Felder in der Sekunde", "Gamepad, SpaceMouse: fields in a second";
+    CONTROLLER_SPEED: "Tempo von Gamepad und SpaceMouse", "Speed of gamepad and SpaceMouse";
     SPEED_OF_RUN: "Rechner", "Computer";
     TICK: "Tick", "tick";
     TO_THE_TICK: "bis zum Tick", "to the tick";
@@ -171,6 +178,7 @@ phrases! {
     PANELS: "Angaben neben dem Bild", "Panels beside the picture";
     AUDIO: "Ton", "Sound";
     AUDIO_OF: "Berührung, Schnitt, Riss, zu große Kraft", "touch, cut, tear, too much force";
+    FIELDS_PER_SECOND: " Felder/s", " fields/s";
     VOLUME: "Lautstärke", "Volume";
     STORE_SETTINGS: "Für diese Station speichern", "Store for this station";
     HOLDS_AT_ONCE: "Was geändert ist, gilt sofort, und nach dem Speichern auch für spätere Fenster", "What is changed holds at once, and once it is stored for later windows, too";

@@ -11,13 +11,13 @@ use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
 use crate::steering::{self, Grasp, Steering};
 use crate::text;
-use crate::{look, panels};
+use crate::{look, panels, pedal};
 use eframe::egui::{self, Key, Rect, RichText, Ui};
 use microsim_audio::{Cues, Player};
 use microsim_controller::Controllers;
 use microsim_message::{LevelState, ToolStates};
 use microsim_render::{Models, Quality};
-use microsim_settings::RendererConfig;
+use microsim_settings::{Pedal, RendererConfig};
 use microsim_vocabulary::Language;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -51,6 +51,8 @@ pub struct Training {
     account: Account,
     /// Gamepads and SpaceMice, and how fast they move a tip at full deflection \[diameters of the field per second\].
     pub controllers: Option<(Controllers, f64)>,
+    /// Keys of a foot switch.
+    pub pedal: Pedal,
     /// Largest sustained force that the level takes \[N\].
     force_limit: Option<f64>,
 }
@@ -105,6 +107,7 @@ impl Training {
             delays: Arc::default(),
             account: Account::default(),
             controllers: None,
+            pedal: Pedal::default(),
             force_limit,
         })
     }
@@ -236,6 +239,7 @@ impl Training {
             panels::scope(ui, self.scope.magnification(), language);
             if hands.is_some() {
                 panels::help(ui, &steering::help(&presences), language);
+                pedal::help(ui, &self.pedal, language);
             }
             let pictures = Pictures {
                 rate: self.rate(),
