@@ -41,8 +41,10 @@ pub const BUTTON_0: u16 = 0x100;
 pub const BUTTON_1: u16 = 0x101;
 /// Lower button of a gamepad: A, cross.
 pub const SOUTH: u16 = 0x130;
-/// Upper button: Y, triangle.
+/// X of most gamepads with letters (which is to the left), triangle.
 pub const NORTH: u16 = 0x133;
+/// Y of those (which is the upper one), square.
+pub const WEST: u16 = 0x134;
 /// Left shoulder.
 pub const LEFT_SHOULDER: u16 = 0x136;
 /// Right shoulder.

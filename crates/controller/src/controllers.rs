@@ -53,7 +53,7 @@ struct Known {
     integral: Integral,
 }
 
-/// What threads and window share.
+/// What threads and window have in common.
 struct Shared {
     begin: Instant,
     known: Mutex<Vec<Known>>,

@@ -2,7 +2,7 @@
 
 use crate::code::{
     BRAKE, BUTTON_0, BUTTON_1, CROSS, GAS, HAT_X, HAT_Y, LEFT_SHOULDER, LEFT_TRIGGER, NORTH,
-    RIGHT_SHOULDER, RIGHT_TRIGGER, RX, RY, RZ, SOUTH, START, X, Y, Z,
+    RIGHT_SHOULDER, RIGHT_TRIGGER, RX, RY, RZ, SOUTH, START, WEST, X, Y, Z,
 };
 use crate::device::Kind;
 use crate::motion::Held;
@@ -40,7 +40,11 @@ pub fn presses(kind: Kind, state: &State) -> Vec<Press> {
     let [_, _, left, right] = CROSS;
     let pressed = match kind {
         Kind::Gamepad => vec![
-            (state.is_down(NORTH), Press::OtherHand),
+            // Drivers number these two by their letters or by their places.
+            (
+                state.is_down(NORTH) || state.is_down(WEST),
+                Press::OtherHand,
+            ),
             (state.is_down(SOUTH), Press::HoldClosed),
             (state.is_down(START), Press::Pause),
             (cross(state, HAT_X, 1.0, right), Press::Magnify),
@@ -273,6 +277,7 @@ mod tests {
         let mut pad = Pad::xbox();
         for (event, press) in [
             (Event::Button(NORTH, true), Press::OtherHand),
+            (Event::Button(WEST, true), Press::OtherHand),
             (Event::Button(SOUTH, true), Press::HoldClosed),
             (Event::Button(START, true), Press::Pause),
             (Event::Absolute(HAT_X, 1), Press::Magnify),
@@ -282,6 +287,7 @@ mod tests {
             assert_eq!(presses(Kind::Gamepad, &pad.state), [press]);
             pad.with(&[
                 Event::Button(NORTH, false),
+                Event::Button(WEST, false),
                 Event::Button(SOUTH, false),
                 Event::Button(START, false),
                 Event::Absolute(HAT_X, 0),

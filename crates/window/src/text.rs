@@ -101,7 +101,7 @@ phrases! {
     PLUGGED_IN: "angeschlossen", "plugged in";
     UNPLUGGED: "getrennt; das Instrument bleibt, wo es ist", "unplugged; the instrument stays where it is";
     NOT_READABLE: "ist angeschlossen und nicht lesbar:", "is plugged in and cannot be read:";
-    GAMEPAD_HELP: "Linker Stick: Spitze bewegen · rechter Stick: heben, senken, drehen · RT: schließen, LT: fein · LB, RB: rollen · A: geschlossen halten · Y: andere Hand · Kreuz: auf, ab: neigen, links, rechts: Vergrößerung · Start: Pause", "Left stick: move the tip · right stick: raise, lower, turn · RT: close, LT: fine · LB, RB: roll · A: keep closed · Y: other hand · cross: up, down: tilt, left, right: magnification · Start: pause";
+    GAMEPAD_HELP: "Linker Stick: Spitze bewegen · rechter Stick: heben, senken, drehen · RT: schließen, LT: fein · LB, RB: rollen · A: geschlossen halten · X, Y: andere Hand · Kreuz: auf, ab: neigen, links, rechts: Vergrößerung · Start: Pause", "Left stick: move the tip · right stick: raise, lower, turn · RT: close, LT: fine · LB, RB: roll · A: keep closed · X, Y: other hand · cross: up, down: tilt, left, right: magnification · Start: pause";
     SPACE_MOUSE_HELP: "Kappe: Spitze und Griff bewegen · linke Taste: andere Hand · rechte Taste: geschlossen halten", "Cap: move tip and handle · left button: other hand · right button: keep closed";
     CONTROLLER_SPEED: "Tempo von Gamepad und SpaceMouse", "Speed of gamepad and SpaceMouse";
     SPEED_OF_RUN: "Rechner", "Computer";
