@@ -10,6 +10,11 @@
 //!
 //! All but the last two are pure. Not here: instruments, the field of the microscope, pictures.
 
+#![allow(
+    unsafe_code,
+    reason = "in `probe`: the kernel writes into memory whose address it is given; a crate that does so would bring seven others"
+)]
+
 mod capabilities;
 mod code;
 mod controllers;

@@ -55,10 +55,6 @@ impl Probe for Kernel {
 }
 
 /// Two requests of `linux/input.h`.
-#[allow(
-    unsafe_code,
-    reason = "the kernel writes into memory whose address it is given; a crate that does so would bring seven others"
-)]
 mod request {
     use rustix::ioctl::{Ioctl, IoctlOutput, Opcode, ioctl, opcode};
     use std::ffi::c_void;
