@@ -33,6 +33,8 @@ use std::time::{Duration, SystemTime};
 
 /// The file of how the window looks.
 const FILE: &str = "window.toml";
+/// The metric of the largest sustained force of a tool on tissue, in all modules that have it.
+const PEAK_FORCE: &str = "peak-force";
 
 /// Shows the window until it is closed.
 pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
@@ -244,6 +246,10 @@ impl Station for AtThisPlace {
                     session: session.clone(),
                 },
             )?;
+            let level = self
+                .installation
+                .variant(&choice.module, choice.level, variant)?;
+            let mut limits = level.settings.limit.iter();
             let renderer = renderer_for(&self.installation, &plan, None)?;
             let picture: RendererConfig = renderer.setup.configuration()?;
             let attempt = Attempt {
@@ -266,6 +272,9 @@ impl Station for AtThisPlace {
                 },
                 language: self.installation.host.report.language,
                 picture,
+                force_limit: limits
+                    .find(|limit| limit.metric == PEAK_FORCE)
+                    .and_then(|limit| limit.max),
                 files: renderer.setup.files,
                 plan,
                 session,
@@ -332,6 +341,7 @@ struct LevelAtDesk {
     picture: RendererConfig,
     files: Vec<SetupFile>,
     desktop: Option<Desktop>,
+    force_limit: Option<f64>,
 }
 
 impl LiveSession for LevelAtDesk {
@@ -341,6 +351,10 @@ impl LiveSession for LevelAtDesk {
 
     fn files(&self) -> &[SetupFile] {
         &self.files
+    }
+
+    fn force_limit(&self) -> Option<f64> {
+        self.force_limit
     }
 
     fn desktop(&self) -> Option<&Desktop> {

@@ -97,7 +97,7 @@ impl Message for MarkerTracking {
     const KIND: &'static str = "input.markers";
 }
 
-/// What mouse and keyboard ask of one tool, since the last such message of it. Published by the host for the window in front of which the trainee sits,
+/// What mouse, keyboard and controllers ask of one tool, since the last such message of it. Published by the host for the window in front of which the trainee sits,
 /// and an external input: recorded, and fed by tick when a session is replayed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DesktopInput {

@@ -130,7 +130,9 @@ pub use translator::{
 pub use vessel::{
     Basis, Vessel, VesselConstants, VesselLayer, VesselValue, load_vessel, read_vessel,
 };
-pub use window::{BASE_MAX, WORKING_DISTANCES, WindowSettings, load_window, read_window};
+pub use window::{
+    BASE_MAX, CONTROLLER_SPEEDS, Pedal, WORKING_DISTANCES, WindowSettings, load_window, read_window,
+};
 
 /// The schema of a kind of file by its name in [`KINDS`]. That of a level leaves the keys of the module open; see
 /// [`level_schema`] for those of one module.

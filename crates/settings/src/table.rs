@@ -4,7 +4,7 @@ use crate::colour::Colour;
 use crate::schema::{Key, Kind, Presence};
 use microsim_vocabulary::{
     Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation,
-    Language, LocalText, MethodName, Overflow, PictureQuality, PluginKind, Unit,
+    Language, LocalText, MethodName, Overflow, PedalKey, PictureQuality, PluginKind, Unit,
 };
 use serde_json::Value;
 
@@ -198,5 +198,5 @@ settings! {
 
 choices! {
     Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation, Language, MethodName,
-    Overflow, PictureQuality, PluginKind,
+    Overflow, PedalKey, PictureQuality, PluginKind,
 }

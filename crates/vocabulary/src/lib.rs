@@ -16,8 +16,8 @@ mod unit;
 
 pub use mechanics::{CellSplit, Discretisation, Filling, LawName, MethodName};
 pub use platform::{
-    EyeLayout, Finish, Interpolation, MICROSCOPE_VIEW, MotionLimit, Overflow, PictureQuality,
-    PluginKind, ToolStatus,
+    EyeLayout, Finish, Interpolation, MICROSCOPE_VIEW, MotionLimit, Overflow, PedalKey,
+    PictureQuality, PluginKind, ToolStatus,
 };
 pub use results::{Category, Direction};
 pub use term::{Term, UnknownTerm};

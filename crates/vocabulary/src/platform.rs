@@ -144,3 +144,96 @@ terms! {
 
 /// Kind of the messages by which a trainee sets the microscope.
 pub const MICROSCOPE_VIEW: &str = "microscope.view";
+terms! {
+    /// Keys that a foot switch may send: those of a keyboard that have no other meaning under the microscope.
+    pub enum PedalKey {
+        /// A.
+        A = "A",
+        /// B.
+        B = "B",
+        /// D.
+        D = "D",
+        /// F.
+        F = "F",
+        /// G.
+        G = "G",
+        /// H.
+        H = "H",
+        /// M.
+        M = "M",
+        /// N.
+        N = "N",
+        /// P.
+        P = "P",
+        /// T.
+        T = "T",
+        /// V.
+        V = "V",
+        /// X.
+        X = "X",
+        /// Y.
+        Y = "Y",
+        /// Z.
+        Z = "Z",
+        /// 6.
+        Digit6 = "6",
+        /// 7.
+        Digit7 = "7",
+        /// 8.
+        Digit8 = "8",
+        /// 9.
+        Digit9 = "9",
+        /// F1.
+        F1 = "F1",
+        /// F4.
+        F4 = "F4",
+        /// F5.
+        F5 = "F5",
+        /// F6.
+        F6 = "F6",
+        /// F7.
+        F7 = "F7",
+        /// F8.
+        F8 = "F8",
+        /// F9.
+        F9 = "F9",
+        /// F10.
+        F10 = "F10",
+        /// F12.
+        F12 = "F12",
+        /// F13.
+        F13 = "F13",
+        /// F14.
+        F14 = "F14",
+        /// F15.
+        F15 = "F15",
+        /// F16.
+        F16 = "F16",
+        /// F17.
+        F17 = "F17",
+        /// F18.
+        F18 = "F18",
+        /// F19.
+        F19 = "F19",
+        /// F20.
+        F20 = "F20",
+        /// F21.
+        F21 = "F21",
+        /// F22.
+        F22 = "F22",
+        /// F23.
+        F23 = "F23",
+        /// F24.
+        F24 = "F24",
+        /// PageUp.
+        PageUp = "PageUp",
+        /// PageDown.
+        PageDown = "PageDown",
+        /// Insert.
+        Insert = "Insert",
+        /// Delete.
+        Delete = "Delete",
+        /// Backspace.
+        Backspace = "Backspace",
+    }
+}

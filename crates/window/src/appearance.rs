@@ -7,7 +7,7 @@ use crate::text::{self, Phrase, number};
 use eframe::egui::{
     self, Align, Button, ComboBox, Label, Layout, RichText, ScrollArea, Slider, Ui,
 };
-use microsim_settings::{BASE_MAX, WORKING_DISTANCES, WindowSettings};
+use microsim_settings::{BASE_MAX, CONTROLLER_SPEEDS, WORKING_DISTANCES, WindowSettings};
 use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
 
 /// Width of the names of settings \[points\].
@@ -71,6 +71,22 @@ fn length(ui: &mut Ui, metres: &mut f64, [least, most]: [f64; 2], language: Lang
     }
 }
 
+/// A number that is chosen in steps of a twentieth.
+fn fraction(
+    ui: &mut Ui,
+    value: &mut f64,
+    [least, most]: [f64; 2],
+    suffix: &str,
+    language: Language,
+) {
+    let slider = Slider::new(value, least..=most)
+        .step_by(0.05)
+        .custom_formatter(|value, _| number(value, 2, language))
+        .custom_parser(|text| text.replace(',', ".").parse().ok())
+        .suffix(suffix);
+    ui.add(slider);
+}
+
 impl Appearance {
     /// Shows it.
     pub fn show(
@@ -132,6 +148,10 @@ pub fn changes_picture(before: &WindowSettings, after: &WindowSettings) -> bool 
         language: after.language,
         panels: after.panels,
         full_screen: after.full_screen,
+        controller_speed: after.controller_speed,
+        audio: after.audio,
+        volume: after.volume,
+        pedal: after.pedal,
         ..*before
     };
     other_than_picture != *after
@@ -192,6 +212,17 @@ fn show_settings(ui: &mut Ui, settings: &mut WindowSettings, language: Language)
     });
     row(ui, text::PANELS, language, |ui| {
         ui.checkbox(&mut settings.panels, "F3");
+    });
+    row(ui, text::AUDIO, language, |ui| {
+        ui.checkbox(&mut settings.audio, text::AUDIO_OF.of(language));
+    });
+    row(ui, text::VOLUME, language, |ui| {
+        fraction(ui, &mut settings.volume, [0.0, 1.0], "", language);
+    });
+    row(ui, text::CONTROLLER_SPEED, language, |ui| {
+        let speed = &mut settings.controller_speed;
+        let suffix = text::FIELDS_PER_SECOND.of(language);
+        fraction(ui, speed, CONTROLLER_SPEEDS, suffix, language);
     });
     is_chosen
 }

@@ -7,14 +7,18 @@ use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
 use crate::look;
+use crate::pedal;
 use crate::records::{self, Records};
 use crate::replay::{self, Replay};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
+use crate::steering::{self, Stage};
 use crate::text;
 use crate::threads;
 use crate::training::{Outcome, Training};
 use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, Key, RichText, Ui};
+use microsim_audio::Player;
+use microsim_controller::Controllers;
 use microsim_settings::{DominantHand, WindowSettings};
 use microsim_vocabulary::Language;
 use std::fmt;
@@ -131,6 +135,8 @@ struct Desk {
     screen: Screen,
     /// The thread of the replay that was left last: it may compute still.
     left: Option<JoinHandle<()>>,
+    /// Gamepads and SpaceMice, unless the system had no thread to look for them.
+    controllers: Option<Controllers>,
 }
 
 impl Desk {
@@ -143,7 +149,13 @@ impl Desk {
         look::apply(&context.egui_ctx);
         let waker = Waker::new(&context.egui_ctx);
         let catalogue = station.catalogue();
+        let wake = context.egui_ctx.clone();
+        let controllers = Controllers::start(move || wake.request_repaint());
+        let controllers = controllers.inspect_err(|why| {
+            tracing::warn!("no gamepads and SpaceMice: no thread for them: {why}");
+        });
         let mut desk = Self {
+            controllers: controllers.ok(),
             trainees: station.trainees(),
             language: opening.language,
             // What is stored is what is shown.
@@ -207,7 +219,19 @@ impl Desk {
             }),
         };
         self.screen = match begun {
-            Ok(training) => Screen::Training(Box::new(training)),
+            Ok(mut training) => {
+                let speed = self.settings.controller_speed;
+                let controllers = self.controllers.clone();
+                training.controllers = controllers.map(|controllers| (controllers, speed));
+                training.pedal = self.settings.pedal;
+                if self.settings.audio {
+                    match Player::open(self.settings.volume) {
+                        Ok(player) => training.play_tones(player),
+                        Err(why) => tracing::info!("no tones: {why}"),
+                    }
+                }
+                Screen::Training(Box::new(training))
+            }
             Err(why) => Screen::Complaint(why),
         };
     }
@@ -336,6 +360,19 @@ impl Desk {
     fn change_language(&mut self) {
         self.language = other(self.language);
         self.settings.language = Some(self.language);
+    }
+
+    /// Keys that a foot switch and buttons of gamepads and SpaceMice stand for.
+    fn press_by_controllers(&self, ui: &Ui) {
+        let presses = self.controllers.as_ref().map(Controllers::presses);
+        let stage = match &self.screen {
+            Screen::Training(training) => training.stage(),
+            Screen::Replay(..) => Stage::Replay,
+            Screen::Launcher => Stage::Before,
+            _ => Stage::Other,
+        };
+        steering::press_keys(ui, &presses.unwrap_or_default(), stage);
+        pedal::press_keys(ui, &self.settings.pedal, stage);
     }
 
     /// Keys that work on every screen.
@@ -473,6 +510,7 @@ impl device::Shown for Desk {
         if takes_files && !ui.input(|input| input.raw.dropped_files.is_empty()) {
             self.open_upkeep();
         }
+        self.press_by_controllers(ui);
         self.set_by_keys(ui);
         let panels = self.settings.panels;
         match &mut self.screen {

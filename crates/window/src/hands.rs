@@ -3,6 +3,7 @@
 //! The pointer moves the tip of the active tool in the plane of the field, so that it goes along with the pointer in the picture; the wheel lifts and lowers it. The left button
 //! closes it, the right one turns it. The other hand stays where it is.
 
+use crate::steering::Grasp;
 use eframe::egui::{self, Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2};
 use microsim_message::DesktopInput;
 use microsim_settings::{Desktop, View};
@@ -70,6 +71,17 @@ impl Hands {
     /// What the microscope shows now.
     pub fn look(&mut self, view: View) {
         self.view = view;
+    }
+
+    /// The tool in hand for other devices, which do not move it yet.
+    pub fn grasp(&self) -> Option<Grasp> {
+        Some(Grasp {
+            tool: self.tools.get(self.active)?.clone(),
+            speed: 0.0,
+            opening: self.desktop.opening,
+            keeps: self.keeps(self.active),
+            is_closed: false,
+        })
     }
 
     fn wish(&self, tool: usize) -> DesktopInput {

@@ -9,6 +9,8 @@
 //! - `threads`: computing goes before drawing.
 //! - `pace`: how well it follows the wall clock, and how long motions take to the picture; `account`: what the log states of both.
 //! - `hands`: mouse and keyboard as wishes for the tools.
+//! - `steering`: gamepads and SpaceMice as wishes and keys.
+//! - `pedal`: keys of a foot switch.
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture that `blit` copies into the window.
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
@@ -45,6 +47,7 @@ mod look;
 mod nearby;
 mod pace;
 mod panels;
+mod pedal;
 mod person;
 mod player;
 mod plot;
@@ -54,6 +57,7 @@ mod rows;
 mod scope;
 mod shortcut;
 mod station;
+mod steering;
 #[cfg(test)]
 mod tests;
 mod text;

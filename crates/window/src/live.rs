@@ -1,16 +1,19 @@
 //! A run in a thread of its own, and what the window exchanges with it: wishes for the tools go there, the newest snapshot comes back. No queue of snapshots:
 //! one that was not drawn when the next is finished is dropped.
 
+use crate::hands;
 use crate::ledger::Debrief;
 use crate::pace::Pace;
 use crate::station::LiveSession;
+use crate::steering::Steering;
 use crate::threads;
+use microsim_audio::{Cues, Player};
 use microsim_bus::{Block, BlockView, Frames, kind_id};
 use microsim_host::playback::{Messages, Moment};
 use microsim_host::run::{Operator, Seen};
 use microsim_message::{
-    DesktopInput, InputSample, InputTiming, LevelEvent, LevelState, Message, MicroscopeView,
-    ObjectScene, SolverTick, ToolPlacements, ToolStates, decode, push,
+    ContactForces, DesktopInput, InputSample, InputTiming, LevelEvent, LevelState, Message,
+    MicroscopeView, ObjectScene, SolverTick, TissueCut, ToolPlacements, ToolStates, decode, push,
 };
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -79,7 +82,11 @@ struct Wishes {
 #[derive(Default)]
 struct Exchange {
     wishes: Mutex<Wishes>,
+    /// What gamepads and SpaceMice move: asked with each tick, so that it does not depend on pictures.
+    steering: Mutex<Option<Steering>>,
     view: Mutex<Option<MicroscopeView>>,
+    /// What has tones, and who plays them.
+    tones: Mutex<Option<(Cues, Player)>>,
     latest: Mutex<Option<Snapshot>>,
     pace: Mutex<Pace>,
     events: Mutex<Vec<LevelEvent>>,
@@ -114,10 +121,12 @@ impl Live {
             ..Exchange::default()
         });
         let seat = Arc::clone(&exchange);
+        let mirrored = session.picture().mirrored;
         let run = move || {
             let mut operator = Seat {
                 exchange: &seat,
                 messages: Messages::new(),
+                mirrored,
                 wake: &wake,
             };
             let outcome = session.run(&seat.stop, &mut operator);
@@ -163,6 +172,29 @@ impl Live {
                 earlier.opening = wish.opening.or(earlier.opening);
             }
         }
+    }
+
+    /// What gamepads and SpaceMice move from now on; `None`: nothing.
+    pub fn steer(&self, mut steering: Option<Steering>) {
+        let mut current = lock(&self.exchange.steering);
+        match (&*current, &mut steering) {
+            (Some(before), Some(now)) if before.grasp.tool == now.grasp.tool => {
+                now.grasp.is_closed = before.grasp.is_closed;
+            }
+            (before, _) => {
+                let released = before.as_ref().and_then(|before| before.grasp.release());
+                released.into_iter().for_each(|wish| self.wish(wish));
+            }
+        }
+        if let (None, Some(now)) = (&*current, &steering) {
+            now.controllers.skip();
+        }
+        *current = steering;
+    }
+
+    /// Plays tones of what happens from now on.
+    pub fn play_tones(&self, cues: Cues, player: Player) {
+        *lock(&self.exchange.tones) = Some((cues, player));
     }
 
     /// Records how the microscope is set, with the next tick.
@@ -211,6 +243,8 @@ impl Drop for Live {
 struct Seat<'a> {
     exchange: &'a Exchange,
     messages: Messages,
+    /// Whether the picture is mirrored: what is asked for in it is not what the field has to do.
+    mirrored: bool,
     wake: &'a dyn Fn(),
 }
 
@@ -223,8 +257,16 @@ impl Seat<'_> {
 impl Operator for Seat<'_> {
     fn send(&mut self, frames: &mut Vec<u8>) {
         let wishes = std::mem::take(&mut *lock(&self.exchange.wishes));
-        for wish in &wishes.of_tools {
-            push(frames, wish);
+        let mut all = wishes.of_tools;
+        if let Some(steering) = &mut *lock(&self.exchange.steering) {
+            all.extend(steering.grasp.wish(steering.controllers.take()));
+        }
+        for wish in all {
+            let wish = match self.mirrored {
+                true => hands::mirrored(wish),
+                false => wish,
+            };
+            push(frames, &wish);
         }
         if let Some(since) = wishes.since {
             lock(&self.exchange.pace)
@@ -238,12 +280,17 @@ impl Operator for Seat<'_> {
 
     fn is_paused(&self) -> bool {
         let exchange = self.exchange;
-        exchange.has_first_tick.load(Ordering::Relaxed)
-            && exchange.is_paused.load(Ordering::Relaxed)
+        let is_paused = exchange.has_first_tick.load(Ordering::Relaxed)
+            && exchange.is_paused.load(Ordering::Relaxed);
+        if let Some(steering) = lock(&exchange.steering).as_ref().filter(|_| is_paused) {
+            steering.controllers.skip();
+        }
+        is_paused
     }
 
     fn see(&mut self, seen: Seen<'_>) {
         let mut solver: Option<SolverTick> = None;
+        let mut tones = lock(&self.exchange.tones);
         let mut pace = lock(&self.exchange.pace);
         for frame in Frames::new(seen.log).filter_map(Result::ok) {
             if Self::is_shown(frame.header.kind) {
@@ -258,8 +305,17 @@ impl Operator for Seat<'_> {
                 pace.add(&timing);
             } else if let Some(Ok(sample)) = decode::<InputSample>(&frame) {
                 pace.add_sample(&sample);
+            } else if let Some((cues, player)) = &mut *tones {
+                if let Some(Ok(forces)) = decode::<ContactForces>(&frame) {
+                    let tones = cues.of_forces(&forces, seen.time).into_iter();
+                    tones.for_each(|tone| player.play(tone));
+                } else if let Some(Ok(cut)) = decode::<TissueCut>(&frame) {
+                    let tone = cues.of_cut(&cut, seen.time).into_iter();
+                    tone.for_each(|tone| player.play(tone));
+                }
             }
         }
+        drop(tones);
         pace.ticks.push(seen.duration);
         pace.late = seen.late_ticks;
         if let Some(solver) = solver {

@@ -136,11 +136,17 @@ pub fn scope(ui: &mut Ui, magnification: f64, language: Language) {
     )));
 }
 
-/// Shows how mouse and keyboard move them.
-pub fn help(ui: &mut Ui, language: Language) {
+/// Shows what may be higher than the panel.
+pub fn scrolled(ui: &mut Ui, show: impl FnOnce(&mut Ui)) {
+    let height = ui.available_height() - 8.0;
+    ScrollArea::vertical().max_height(height).show(ui, show);
+}
+
+/// Shows how mouse and keyboard move them, after what other devices are used for.
+pub fn help(ui: &mut Ui, devices: &[Phrase], language: Language) {
     ui.add_space(4.0);
     ui.spacing_mut().item_spacing.y = 1.0;
-    for help in [text::MOUSE, text::KEYS] {
+    for help in devices.iter().chain(&[text::MOUSE, text::KEYS]) {
         for line in help.of(language).split(" · ") {
             ui.label(look::quiet(line));
         }

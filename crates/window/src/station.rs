@@ -192,6 +192,9 @@ pub trait LiveSession: Send {
     /// How mouse and keyboard move the tools; `None` where something else does.
     fn desktop(&self) -> Option<&Desktop>;
 
+    /// Largest sustained force of a tool that the level takes \[N\], beside the limits of its pairs.
+    fn force_limit(&self) -> Option<f64>;
+
     /// Runs it to its end. Called once.
     ///
     /// # Errors

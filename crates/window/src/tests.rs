@@ -7,8 +7,10 @@ use crate::look;
 use crate::pace::{Pace, Samples, Times};
 use crate::panels::{self, Instrument, Pictures, Task};
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, ToolEntry, TraineeEntry};
+use crate::steering;
 use eframe::egui::epaint::ClippedShape;
 use eframe::egui::{self, Event, Key, Modifiers, Pos2, RawInput, Rect, Shape, Ui, vec2};
+use microsim_controller::{Kind, Presence, Seen};
 use microsim_message::{
     CategoryScore, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText, MetricRecord, Pose,
     ToolState, ToolStatus,
@@ -294,6 +296,18 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
         pose: Pose::default(),
         opening: 0.8,
     };
+    let presence = |kind, seen| Presence {
+        name: "Microsoft X-Box One S pad".into(),
+        kind,
+        seen,
+    };
+    let why = "/dev/input/event7 may not be read: add the user to the group `input` (usermod -aG input NAME) and log in again";
+    let presences = [
+        presence(Kind::Gamepad, Seen::Here),
+        presence(Kind::SpaceMouse, Seen::Here),
+        presence(Kind::SpaceMouse, Seen::Gone),
+        presence(Kind::Gamepad, Seen::Refused(why.into())),
+    ];
     let show = |ui: &mut Ui, language: Language| {
         let task = Task {
             module,
@@ -320,17 +334,22 @@ fn the_panels_beside_the_picture_have_room_for_their_texts() {
         egui::Panel::right("tools")
             .exact_size(270.0)
             .show(ui, |ui| {
-                panels::instruments(ui, &[instrument(0), instrument(1)], language);
-                panels::scope(ui, 8.0, language);
-                panels::help(ui, language);
-                let pictures = Pictures {
-                    rate: Some(24.0),
-                    delays: &Times::default(),
-                    quality: Quality::Low,
-                };
-                let mut pace = Pace::default();
-                pace.samples = Some(Samples::default());
-                panels::pace(ui, &pace, &pictures, language);
+                panels::scrolled(ui, |ui| {
+                    panels::instruments(ui, &[instrument(0), instrument(1)], language);
+                    steering::presences(ui, &presences, language);
+                    panels::scope(ui, 8.0, language);
+                    let helps = steering::help(&presences);
+                    assert_eq!(helps.len(), 2);
+                    panels::help(ui, &helps, language);
+                    let pictures = Pictures {
+                        rate: Some(24.0),
+                        delays: &Times::default(),
+                        quality: Quality::Low,
+                    };
+                    let mut pace = Pace::default();
+                    pace.samples = Some(Samples::default());
+                    panels::pace(ui, &pace, &pictures, language);
+                })
             });
     };
     everywhere("panels", show);

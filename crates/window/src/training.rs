@@ -10,12 +10,15 @@ use crate::pace::Times;
 use crate::panels::{Instrument, Pictures, Task};
 use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
+use crate::steering::{self, Grasp, Steering};
 use crate::text;
-use crate::{hands, look, panels, shortcut};
+use crate::{look, panels, pedal, shortcut};
 use eframe::egui::{self, Key, Rect, RichText, Ui};
+use microsim_audio::{Cues, Player};
+use microsim_controller::Controllers;
 use microsim_message::{LevelState, ToolStates};
 use microsim_render::{Models, Quality};
-use microsim_settings::RendererConfig;
+use microsim_settings::{Pedal, RendererConfig};
 use microsim_vocabulary::Language;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -49,6 +52,12 @@ pub struct Training {
     account: Account,
     /// Why the picture was gone, until the trainee goes on.
     lost: Option<String>,
+    /// Gamepads and SpaceMice, and how fast they move a tip at full deflection \[diameters of the field per second\].
+    pub controllers: Option<(Controllers, f64)>,
+    /// Keys of a foot switch.
+    pub pedal: Pedal,
+    /// Largest sustained force that the level takes \[N\].
+    force_limit: Option<f64>,
 }
 
 /// What the trainee or operator asked for, or what came of the run.
@@ -74,6 +83,7 @@ impl Training {
         waker: Waker,
     ) -> Result<Self, String> {
         let config = session.picture().clone();
+        let force_limit = session.force_limit();
         let files = session.files().iter();
         let files: Vec<(&str, &[u8])> = files.map(|f| (&f.name[..], &f.bytes[..])).collect();
         let models = Models::new(&files)?;
@@ -97,6 +107,9 @@ impl Training {
             delays: Arc::default(),
             account: Account::default(),
             lost: None,
+            controllers: None,
+            pedal: Pedal::default(),
+            force_limit,
         })
     }
 
@@ -159,14 +172,34 @@ impl Training {
         if let Some(hands) = &mut self.hands {
             hands.look(self.scope.view());
             let wishes = ui.input(|input| hands.wishes(input, field.eye(picture)));
-            let mirrored = self.config.mirrored;
-            let wishes = wishes.into_iter().map(|wish| match mirrored {
-                true => hands::mirrored(wish),
-                false => wish,
-            });
-            wishes.for_each(|wish| self.live.wish(wish));
+            wishes.into_iter().for_each(|wish| self.live.wish(wish));
+            let grasp = hands.grasp();
+            let is_used = ui.input(|input| input.focused);
+            let steering = self.controllers.as_ref().zip(grasp);
+            let steering = steering.filter(|_| is_used);
+            self.live
+                .steer(steering.map(|((controllers, speed), grasp)| Steering {
+                    controllers: controllers.clone(),
+                    grasp: Grasp {
+                        speed: speed * self.scope.view().field,
+                        ..grasp
+                    },
+                }));
         }
         None
+    }
+
+    /// Plays tones of what happens.
+    pub fn play_tones(&self, player: Player) {
+        self.live.play_tones(Cues::new(self.force_limit), player);
+    }
+
+    /// What buttons of devices stand for.
+    pub fn stage(&self) -> steering::Stage {
+        match self.has_begun {
+            true => steering::Stage::Run,
+            false => steering::Stage::Before,
+        }
     }
 
     fn show_task(&self, ui: &mut Ui, language: Language) {
@@ -205,17 +238,22 @@ impl Training {
                 keeps_closed: hands.is_some_and(|hands| hands.keeps(index)),
             })
             .collect();
+        let controllers = self.controllers.as_ref().filter(|_| hands.is_some());
+        let presences = controllers.map(|(controllers, _)| controllers.presences());
+        let presences = presences.unwrap_or_default();
         let pace = self.live.pace();
         let delays = self.delays.lock();
         let delays = delays.unwrap_or_else(PoisonError::into_inner).clone();
         let panel = egui::Panel::right("instruments")
             .exact_size(PANEL)
             .resizable(false);
-        panel.show(ui, |ui| {
+        let show = |ui: &mut Ui| {
             panels::instruments(ui, &instruments, language);
+            steering::presences(ui, &presences, language);
             panels::scope(ui, self.scope.magnification(), language);
             if hands.is_some() {
-                panels::help(ui, language);
+                panels::help(ui, &steering::help(&presences), language);
+                pedal::help(ui, &self.pedal, language);
             }
             let pictures = Pictures {
                 rate: self.rate(),
@@ -223,7 +261,8 @@ impl Training {
                 quality,
             };
             panels::pace(ui, &pace, &pictures, language);
-        });
+        };
+        panel.show(ui, |ui| panels::scrolled(ui, show));
     }
 
     /// Draws the newest snapshot; gives the place of the picture.

@@ -1,0 +1,207 @@
+//! The samples to an audio server: PulseAudio, or PipeWire, which speaks its protocol. Nothing has to be installed to build it.
+
+use crate::mixer::Mixer;
+use crate::tone::{RATE, Tone};
+use pulseaudio::protocol::{
+    self, AuthParams, AuthReply, Command, CreatePlaybackStreamReply, PlaybackStreamParams, Prop,
+    Props, ProtocolError, SampleFormat, SampleSpec, SetClientNameReply, stream::BufferAttr,
+    stream::StreamFlags,
+};
+use std::ffi::CString;
+use std::io::{BufReader, Cursor, Read};
+use std::net::Shutdown;
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+/// Length of a sample \[bytes\].
+const SAMPLE: usize = 4;
+/// How long a tone waits in the server \[ms\], and how much it asks for at once.
+const LATENCY: [u32; 2] = [40, 10];
+/// Length of the key that servers compare \[bytes\]; they refuse a client without that many, also where they ask for none.
+const COOKIE: usize = 256;
+/// How long a server may take to answer while it is opened.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn bytes(milliseconds: u32) -> u32 {
+    RATE / 1000 * milliseconds * SAMPLE as u32
+}
+
+/// Plays tones until it is dropped.
+#[derive(Debug)]
+pub struct Player {
+    mixer: Arc<Mutex<Mixer>>,
+    socket: UnixStream,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Player {
+    /// Opens the audio server of the user.
+    ///
+    /// # Errors
+    /// Why there is none, or that it has no device.
+    pub fn open(volume: f64) -> Result<Self, String> {
+        let socket = pulseaudio::socket_path_from_env()
+            .ok_or("no audio server (PulseAudio, PipeWire) of this user runs")?;
+        let cookie = pulseaudio::cookie_path_from_env();
+        let cookie = cookie.and_then(|path| std::fs::read(path).ok());
+        Self::open_at(&socket, cookie.unwrap_or_default(), volume)
+    }
+
+    /// Opens the audio server that listens at a path.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_at(path: &Path, cookie: Vec<u8>, volume: f64) -> Result<Self, String> {
+        Self::connect(path, cookie, volume)
+            .map_err(|error| format!("the audio server at {}: {error}", path.display()))
+    }
+
+    fn connect(path: &Path, cookie: Vec<u8>, volume: f64) -> Result<Self, ProtocolError> {
+        let socket = UnixStream::connect(path)?;
+        socket.set_read_timeout(Some(PATIENCE))?;
+        socket.set_write_timeout(Some(PATIENCE))?;
+        let mut server = BufReader::new(socket.try_clone()?);
+        let stream = greet(&mut server, cookie)?;
+        // From here on the server asks for samples whenever it likes.
+        socket.set_read_timeout(None)?;
+        let mixer = Arc::new(Mutex::new(Mixer::new(volume)));
+        let played = Arc::clone(&mixer);
+        let play = move || match serve(&mut server, &stream, &played) {
+            // The socket is closed when nobody plays any more.
+            Ok(()) => {}
+            Err(error) => tracing::warn!("no more tones: the audio server: {error}"),
+        };
+        let thread = thread::Builder::new().name("audio".into()).spawn(play)?;
+        Ok(Self {
+            mixer,
+            socket,
+            thread: Some(thread),
+        })
+    }
+
+    /// Plays a tone.
+    pub fn play(&self, tone: Tone) {
+        lock(&self.mixer).play(tone);
+    }
+}
+
+impl Drop for Player {
+    fn drop(&mut self) {
+        // A server that is gone has closed it.
+        let _ = self.socket.shutdown(Shutdown::Both);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A stream of the server.
+struct Stream {
+    version: u16,
+    channel: u32,
+    /// Bytes that it asks for at first.
+    requested: u32,
+}
+
+/// Makes a client with a stream of one channel.
+fn greet(server: &mut BufReader<UnixStream>, mut cookie: Vec<u8>) -> Result<Stream, ProtocolError> {
+    cookie.resize(COOKIE, 0);
+    let auth = Command::Auth(AuthParams {
+        version: protocol::MAX_VERSION,
+        supports_shm: false,
+        supports_memfd: false,
+        cookie,
+    });
+    protocol::write_command_message(server.get_mut(), 0, &auth, protocol::MAX_VERSION)?;
+    let (_, reply) = protocol::read_reply_message::<AuthReply>(server, protocol::MAX_VERSION)?;
+    let version = protocol::MAX_VERSION.min(reply.version);
+
+    let mut props = Props::new();
+    props.set(Prop::ApplicationName, c"MicroSim");
+    let name = Command::SetClientName(props);
+    protocol::write_command_message(server.get_mut(), 1, &name, version)?;
+    protocol::read_reply_message::<SetClientNameReply>(server, version)?;
+
+    let [latency, request] = LATENCY.map(bytes);
+    let mut props = Props::new();
+    props.set(Prop::MediaName, c"tones");
+    let create = Command::CreatePlaybackStream(PlaybackStreamParams {
+        sample_spec: SampleSpec {
+            format: SampleFormat::Float32Le,
+            channels: 1,
+            sample_rate: RATE,
+        },
+        channel_map: protocol::ChannelMap::mono(),
+        cvolume: Some(protocol::ChannelVolume::norm(1)),
+        sink_name: Some(CString::from(protocol::DEFAULT_SINK)),
+        buffer_attr: BufferAttr {
+            max_length: 2 * latency,
+            target_length: latency,
+            pre_buffering: request,
+            minimum_request_length: request,
+            ..BufferAttr::default()
+        },
+        flags: StreamFlags {
+            adjust_latency: true,
+            ..StreamFlags::default()
+        },
+        props,
+        ..PlaybackStreamParams::default()
+    });
+    protocol::write_command_message(server.get_mut(), 2, &create, version)?;
+    let (_, reply) = protocol::read_reply_message::<CreatePlaybackStreamReply>(server, version)?;
+    Ok(Stream {
+        version,
+        channel: reply.channel,
+        requested: reply.requested_bytes,
+    })
+}
+
+/// Gives the server what it asks for, until the socket is closed here.
+fn serve(
+    server: &mut BufReader<UnixStream>,
+    stream: &Stream,
+    mixer: &Mutex<Mixer>,
+) -> Result<(), ProtocolError> {
+    send(server, stream, mixer, stream.requested)?;
+    loop {
+        let descriptor = match protocol::read_descriptor(server) {
+            Ok(descriptor) => descriptor,
+            Err(ProtocolError::Io(error)) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+                return Ok(());
+            }
+            Err(error) => return Err(error),
+        };
+        let mut message = vec![0; descriptor.length as usize];
+        server.read_exact(&mut message)?;
+        let command = Command::read_tag_prefixed(&mut Cursor::new(&message), stream.version);
+        match command {
+            Ok((_, Command::Request(request))) if request.channel == stream.channel => {
+                send(server, stream, mixer, request.length)?;
+            }
+            Ok((_, Command::Error(error))) => return Err(ProtocolError::ServerError(error)),
+            // Whatever else the server states, also what the library does not know, asks for nothing.
+            Ok(_) | Err(_) => {}
+        }
+    }
+}
+
+/// Sends samples.
+fn send(
+    server: &mut BufReader<UnixStream>,
+    stream: &Stream,
+    mixer: &Mutex<Mixer>,
+    length: u32,
+) -> Result<(), ProtocolError> {
+    let mut samples = vec![0.0; length as usize / SAMPLE];
+    lock(mixer).fill(&mut samples);
+    let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_le_bytes()).collect();
+    protocol::write_memblock(server.get_mut(), stream.channel, &bytes, 0)
+}
