@@ -2,6 +2,7 @@
 
 use crate::appearance::{self, Appearance};
 use crate::debrief::{self, Next};
+use crate::editor::{self, Editor};
 use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
@@ -97,6 +98,8 @@ enum Screen {
     Records(Box<Records>),
     Upkeep,
     Settings(Appearance),
+    /// Another copy of a level.
+    Editor(Box<Editor>),
     /// Why a level did not begin, or has nothing to show.
     Complaint(String),
 }
@@ -151,6 +154,7 @@ impl Desk {
                 .position(|m| m.name == choice.module);
             desk.launcher.module = place.unwrap_or_default();
             desk.launcher.level = choice.level;
+            desk.launcher.variant = choice.variant.clone();
             desk.launcher.trainee = choice.trainee.clone();
             if opening.begins {
                 desk.begin(choice, &context.egui_ctx);
@@ -169,7 +173,8 @@ impl Desk {
             .modules
             .iter()
             .find(|m| m.name == choice.module)?;
-        let level = module.levels.iter().find(|l| l.number == choice.level)?;
+        let is_chosen = |l: &&LevelEntry| (l.number, &l.variant) == (choice.level, &choice.variant);
+        let level = module.levels.iter().find(is_chosen)?;
         Some((module, level))
     }
 
@@ -206,6 +211,7 @@ impl Desk {
         Choice {
             module: session.module.clone(),
             level: session.level,
+            variant: debrief.variant.clone(),
             trainee: self.launcher.trainee.clone(),
         }
     }
@@ -240,7 +246,8 @@ impl Desk {
             return;
         };
         let panels = self.settings.panels;
-        match replay.show(ui, &mut self.field, panels, self.language) {
+        let station = &*self.station;
+        match replay.show(ui, &mut self.field, station, panels, self.language) {
             None => {}
             Some(replay::Outcome::Language) => self.change_language(),
             Some(replay::Outcome::Back) => {
@@ -267,6 +274,7 @@ impl Desk {
             Some(Wanted::Language) => self.change_language(),
             Some(Wanted::Records) => self.open_records(),
             Some(Wanted::Settings) => self.screen = Screen::Settings(Appearance::default()),
+            Some(Wanted::Edit(choice)) => self.edit(choice),
             Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
             Some(Wanted::Begin(choice)) => {
                 let context = ui.ctx().clone();
@@ -303,6 +311,32 @@ impl Desk {
                 });
             }
             Some(appearance::Wanted::Back) => self.screen = Screen::Launcher,
+        }
+    }
+
+    fn edit(&mut self, choice: Choice) {
+        let Some((module, level)) = self.entries(&choice) else {
+            return;
+        };
+        let titles = (module.title.clone(), level.title.clone());
+        self.screen = match Editor::new(&*self.station, choice, titles) {
+            Ok(editor) => Screen::Editor(Box::new(editor)),
+            Err(why) => Screen::Complaint(why),
+        };
+    }
+
+    fn show_editor(&mut self, ui: &mut Ui) {
+        let Screen::Editor(editor) = &mut self.screen else {
+            return;
+        };
+        match editor.show(ui, &*self.station, self.language) {
+            None => {}
+            Some(editor::Wanted::Language) => self.change_language(),
+            Some(editor::Wanted::Back) => self.screen = Screen::Launcher,
+            Some(editor::Wanted::Stored(name)) => {
+                self.launcher.variant = Some(name);
+                self.catalogue = self.station.catalogue();
+            }
         }
     }
 
@@ -353,6 +387,7 @@ impl Desk {
         };
         let next = Choice {
             level: choice.level + 1,
+            variant: None,
             ..choice.clone()
         };
         let again = choice.clone();
@@ -368,6 +403,7 @@ impl Desk {
             Some(wanted) => {
                 let choice = if wanted == Next::Again { again } else { next };
                 self.launcher.level = choice.level;
+                self.launcher.variant = choice.variant.clone();
                 let context = ui.ctx().clone();
                 self.begin(choice, &context);
             }
@@ -442,6 +478,7 @@ impl eframe::App for Desk {
         let panels = self.settings.panels;
         match &mut self.screen {
             Screen::Settings(_) => self.show_settings(ui),
+            Screen::Editor(_) => self.show_editor(ui),
             Screen::Launcher => self.show_launcher(ui),
             Screen::Debrief(..) => self.show_debrief(ui),
             Screen::Replay(..) => self.show_replay(ui),

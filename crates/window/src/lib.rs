@@ -14,9 +14,11 @@
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
 //! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
 //!   with the states `nearby` in memory.
+//!   `references` are runs beside which it is shown, of which `ghost` draws the tools; a `film` is made of it, ordered in its `film_row`.
 //! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
 //! - `appearance`: the settings screen.
+//! - `editor`: numbers of a level, with units and ranges, and a copy of it with others, of [`LevelCopies`]; `number_words` explains them in German.
 //! - `upkeep`: courses and the store as a whole, with `work` that goes on beside the window's thread.
 //! - `look`: colours and sizes; `text`: all texts.
 //!
@@ -30,10 +32,15 @@ mod attempts;
 mod blit;
 mod canvas;
 mod console;
+mod copies;
 mod courses;
 mod debrief;
 mod desk;
+mod editor;
 mod field;
+mod film;
+mod film_row;
+mod ghost;
 mod hands;
 mod launcher;
 mod learning;
@@ -41,12 +48,14 @@ mod ledger;
 mod live;
 mod look;
 mod nearby;
+mod number_words;
 mod pace;
 mod panels;
 mod person;
 mod player;
 mod plot;
 mod records;
+mod references;
 mod replay;
 mod rows;
 mod scope;
@@ -60,13 +69,17 @@ mod training;
 mod upkeep;
 mod work;
 
+pub use copies::{Changes, LevelCopies};
 pub use desk::{Opening, WindowError, open};
+pub use film::{Film, Filmed, Films, Video};
+pub use ghost::{GhostTool, Track};
 pub use ledger::{
     Attempt, Change, ComparedRow, Comparison, CourseEntry, CourseLevel, CourseProgress, CourseStep,
     Debrief, Done, Job, Learning, Ledger, Participant, Percentile, Person, Role, Selection,
     StandingRow, StepState, Work,
 };
 pub use live::SHOWN;
+pub use references::{Motion, ReadTrack, Reference, References};
 pub use station::{
     Catalogue, Choice, Computation, LevelEntry, LiveSession, ModuleEntry, Recording, Station,
     ToolEntry, TraineeEntry,

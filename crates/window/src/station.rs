@@ -1,6 +1,9 @@
 //! What the window needs of the station at which it is opened.
 
+use crate::copies::LevelCopies;
+use crate::film::Films;
 use crate::ledger::{Debrief, Ledger};
+use crate::references::References;
 use microsim_host::playback::{Moment, Playback, Standing};
 use microsim_host::run::{Operator, RunOutcome};
 use microsim_message::{LocalText, SetupFile};
@@ -28,7 +31,7 @@ pub struct ModuleEntry {
     pub title: LocalText,
     /// One sentence.
     pub summary: LocalText,
-    /// Its levels, from the first.
+    /// Its levels, from the first, each before its variants.
     pub levels: Vec<LevelEntry>,
 }
 
@@ -37,6 +40,8 @@ pub struct ModuleEntry {
 pub struct LevelEntry {
     /// Its number, from 1.
     pub number: u32,
+    /// The variant of it that this is; `None` for the level itself.
+    pub variant: Option<String>,
     /// Its title.
     pub title: LocalText,
     /// What it asks for.
@@ -70,12 +75,14 @@ pub struct Choice {
     pub module: String,
     /// Level, from 1.
     pub level: u32,
+    /// A variant of it, instead of the level itself.
+    pub variant: Option<String>,
     /// Id of the trainee.
     pub trainee: Option<String>,
 }
 
 /// A place to train at.
-pub trait Station: Ledger {
+pub trait Station: Ledger + LevelCopies + Films + References {
     /// What can be trained.
     fn catalogue(&self) -> Catalogue;
 
