@@ -65,13 +65,12 @@ pub type MakeCamera = Box<dyn FnOnce() -> Result<Camera, String> + Send>;
 
 /// The ticks of a film from one to another, both included: the last one that is over at each of its times, [`RATE`] of them in a second.
 pub fn ticks(from: u64, to: u64, tick_s: f64) -> impl Iterator<Item = u64> {
-    let begin = (from + 1) as f64 * tick_s;
-    let at = move |k: u64| {
-        let time = begin + k as f64 / RATE;
-        // Rounding must not take the tick that ends just then.
-        ((time / tick_s + 1e-6) as u64).saturating_sub(1)
-    };
-    (0..).map(at).take_while(move |tick| *tick <= to)
+    // Rounding must not take the tick that ends just then.
+    let ended = move |k: u64| (from + 1) as f64 + k as f64 / (RATE * tick_s) + 1e-6;
+    (0..)
+        .map(ended)
+        .take_while(move |ended| *ended < (to + 1) as f64 + 1e-3)
+        .map(|ended| (ended as u64).saturating_sub(1))
 }
 
 /// How far it is.

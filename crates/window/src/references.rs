@@ -13,6 +13,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
+/// Width of the choice of a reference \[points\].
+const CHOICE: f32 = 330.0;
+
 /// Where the motion of a reference comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Motion {
@@ -167,18 +170,21 @@ impl Ghost {
             ui.label(text::REFERENCE_IS.of(language));
             let known = self.known.as_deref().unwrap_or_default();
             if let Some(chosen) = known.get(self.chosen) {
-                ComboBox::from_id_salt("reference")
-                    .selected_text(local(&chosen.title, language))
-                    .width(330.0)
-                    .truncate()
-                    .show_ui(ui, |ui| {
-                        for (place, reference) in known.iter().enumerate() {
-                            let title = local(&reference.title, language);
-                            if ui.selectable_label(place == self.chosen, title).clicked() {
-                                wanted = Some(place);
+                ui.scope(|ui| {
+                    ui.set_max_width(CHOICE);
+                    ComboBox::from_id_salt("reference")
+                        .selected_text(local(&chosen.title, language))
+                        .width(CHOICE)
+                        .truncate()
+                        .show_ui(ui, |ui| {
+                            for (place, reference) in known.iter().enumerate() {
+                                let title = local(&reference.title, language);
+                                if ui.selectable_label(place == self.chosen, title).clicked() {
+                                    wanted = Some(place);
+                                }
                             }
-                        }
-                    });
+                        });
+                });
             }
             let bad = |text: String| RichText::new(text).color(look::BAD);
             let note = match &self.read {
