@@ -1,6 +1,7 @@
 //! Variants of levels: the same task with other methods, chosen by name.
 
-use microsim_tests::microsim;
+use microsim_tests::stations::Station;
+use microsim_tests::{microsim, repository};
 use serde_json::{Value, json};
 
 /// A variant is listed, planned under its name and its title, and refused with those that there are.
@@ -58,11 +59,10 @@ fn variants_of_levels_are_chosen_by_name() {
 /// and hides nothing.
 #[test]
 fn a_copy_of_a_level_is_played_as_a_variant() {
-    let data = tempfile::tempdir().expect("a folder");
-    let folder = data.path().join("levels/push-strip");
+    let station = Station::new();
+    let folder = station.data().join("levels/push-strip");
     std::fs::create_dir_all(&folder).expect("a folder");
-    let shipped = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../modules/push-strip/levels/level1.toml");
+    let shipped = repository().join("modules/push-strip/levels/level1.toml");
     let shipped = std::fs::read_to_string(shipped).expect("a level");
     // The one limit that ends the level, so short that the passing script fails it.
     let time = shipped.find("metric = \"time\"").expect("a limit");
@@ -72,11 +72,7 @@ fn a_copy_of_a_level_is_played_as_a_variant() {
     changed.replace_range(max..end, "max = \"0.5 s\"");
     std::fs::write(folder.join("level1.short.toml"), changed).expect("written");
     std::fs::write(folder.join("notes.txt"), "mine").expect("written");
-    let at = |arguments: &[&str]| {
-        let data = ["--data", data.path().to_str().expect("UTF-8")];
-        microsim(arguments.iter().copied().chain(data))
-    };
-    let listed = at(&["list", "--json"]).expect(0);
+    let listed = station.microsim(&["list", "--json"]).expect(0);
     assert!(listed.err.contains("notes.txt"), "{}", listed.err);
     let listed = listed.json();
     let modules = listed["modules"].as_array().expect("modules");
@@ -85,8 +81,8 @@ fn a_copy_of_a_level_is_played_as_a_variant() {
         module.expect("push-strip")["levels"][0]["variants"],
         json!(["short"])
     );
-    let session = data.path().join("a.session");
-    let run = at(&[
+    let session = station.session("a");
+    let run = station.microsim(&[
         "run",
         "push-strip",
         "--variant",
@@ -104,6 +100,5 @@ fn a_copy_of_a_level_is_played_as_a_variant() {
     );
     let report = std::fs::read_to_string(session.with_extension("html")).expect("a report");
     assert!(report.contains("(variant short)") && report.contains("level1.short.toml"));
-    let replayed = at(&["replay", session.to_str().expect("UTF-8"), "--verify"]);
-    replayed.expect(0);
+    station.microsim(&["replay", "a", "--verify"]).expect(0);
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{KeyPath, Step};
 use serde_json::Value as Json;
-use toml_edit::{DocumentMut, Item, Table, Value};
+use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
 /// Tables whose numbers do not change how tissue moves.
 const OF_JUDGEMENT: [&str; 3] = ["limit", "metrics", "module"];
@@ -51,7 +51,7 @@ impl LevelCopy<'_> {
 
     fn set(&self, root: &mut Table, key: &KeyPath, text: &str) -> Option<()> {
         let (last, path) = key.steps().split_last()?;
-        let mut table = root;
+        let mut table: &mut dyn TableLike = root;
         // What the file as it is read has at the place that is reached.
         let mut seen = self.value;
         let mut steps = path.iter().peekable();
@@ -62,33 +62,19 @@ impl LevelCopy<'_> {
                 Some(Step::Index(index)) => {
                     steps.next();
                     let read = seen.get(index)?;
-                    let absent = || Item::ArrayOfTables(toml_edit::ArrayOfTables::new());
-                    let list = table.entry(name).or_insert_with(absent);
-                    let list = list.as_array_of_tables_mut()?;
-                    // Behind the tables that are written stand those that a vessel brought, by their region.
-                    let region = read.get("region").and_then(Json::as_i64);
-                    let of_region = |table: &Table| {
-                        let own = table.get("region").and_then(Item::as_integer);
-                        own.is_some() && own == region
-                    };
-                    let place = match *index < list.len() {
-                        true => Some(*index),
-                        false => list.iter().position(of_region),
-                    };
-                    let place = match place {
-                        Some(place) => place,
-                        None => {
-                            let mut new = Table::new();
-                            new.insert("region", toml_edit::value(region?));
-                            list.push(new);
-                            list.len() - 1
+                    let absent = || Item::ArrayOfTables(ArrayOfTables::new());
+                    table = match table.entry(name).or_insert_with(absent) {
+                        Item::ArrayOfTables(list) => element(list, *index, read)?,
+                        list => {
+                            let element = list.as_array_mut()?.get_mut(*index)?;
+                            element.as_inline_table_mut()?
                         }
                     };
-                    (table, seen) = (list.get_mut(place)?, read);
+                    seen = read;
                 }
                 _ => {
                     let new = || Item::Table(Table::new());
-                    table = table.entry(name).or_insert_with(new).as_table_mut()?;
+                    table = table.entry(name).or_insert_with(new).as_table_like_mut()?;
                 }
             }
         }
@@ -100,6 +86,33 @@ impl LevelCopy<'_> {
         table.insert(name, Item::Value(value));
         Some(())
     }
+}
+
+/// An element of a list. Behind the tables that are written stand those that a vessel brought, by their region, of which one is made.
+fn element<'a>(
+    list: &'a mut ArrayOfTables,
+    index: usize,
+    read: &Json,
+) -> Option<&'a mut dyn TableLike> {
+    let region = read.get("region").and_then(Json::as_i64);
+    let of_region = |table: &Table| {
+        let own = table.get("region").and_then(Item::as_integer);
+        own.is_some() && own == region
+    };
+    let place = match index < list.len() {
+        true => Some(index),
+        false => list.iter().position(of_region),
+    };
+    let place = match place {
+        Some(place) => place,
+        None => {
+            let mut new = Table::new();
+            new.insert("region", toml_edit::value(region?));
+            list.push(new);
+            list.len() - 1
+        }
+    };
+    Some(list.get_mut(place)?)
 }
 
 /// A number as TOML, or else a text with a unit.
@@ -149,6 +162,19 @@ mod tests {
         let key = KeyPath::root().key("physics").key("hand_force");
         let moved = copy.with(&[(key, "2 N".to_owned())]).expect("a place");
         assert!(!moved.contains("tuned") && moved.ends_with("[physics]\nhand_force = \"2 N\"\n"));
+        let inline = LevelCopy {
+            text: "[[body]]\nload = [{ ramp = \"1 s\" }] # slow\nplasticity = { max_strain = 1, hardening = 0 }\n",
+            value: &serde_json::json!({ "body": [{ "load": [{}], "plasticity": {} }] }),
+            of: "it",
+        };
+        let body = KeyPath::root().key("body").at(0);
+        let changes = [
+            (body.key("load").at(0).key("ramp"), "2 s".to_owned()),
+            (body.key("plasticity").key("max_strain"), "3".to_owned()),
+        ];
+        let expected = "# A copy of it, with body[0].load[0].ramp = 2 s; body[0].plasticity.max_strain = 3.\n\
+            [[body]]\nload = [{ ramp = \"2 s\" }] # slow\nplasticity = { max_strain = 3, hardening = 0 }\n";
+        assert_eq!(inline.with(&changes), Ok(expected.to_owned()));
         let nowhere = copy.with(&[(at("limit", 2, "max"), "1".to_owned())]);
         assert_eq!(nowhere, Err("no place for `limit[2].max`".to_owned()));
     }
