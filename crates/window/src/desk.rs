@@ -274,7 +274,10 @@ impl Desk {
             Some(Wanted::Language) => self.change_language(),
             Some(Wanted::Records) => self.open_records(),
             Some(Wanted::Settings) => self.screen = Screen::Settings(Appearance::default()),
-            Some(Wanted::Edit(choice)) => self.edit(choice),
+            Some(Wanted::Edit(choice)) => {
+                self.edit(choice);
+                ui.ctx().request_repaint();
+            }
             Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
             Some(Wanted::Begin(choice)) => {
                 let context = ui.ctx().clone();

@@ -3,7 +3,7 @@
 use crate::copies::{Changes, LevelCopies};
 use crate::look;
 use crate::number_words::in_german;
-use crate::rows::cell;
+use crate::rows::{cell, in_a_row};
 use crate::station::Choice;
 use crate::text::{self, Phrase, local};
 use eframe::egui::{
@@ -19,6 +19,10 @@ const NAMES: f32 = 170.0;
 const VALUES: f32 = 130.0;
 /// Width of ranges \[points\].
 const RANGES: f32 = 200.0;
+/// Height of a number \[points\].
+const LINE: f32 = 32.0;
+/// Height of the row that stores a copy \[points\].
+const STORE: f32 = 42.0;
 /// Width of the name of a copy \[points\].
 const COPY_NAME: f32 = 200.0;
 
@@ -211,7 +215,7 @@ impl Editor {
     ) -> Option<String> {
         let mut stored = None;
         let is_name = Form::Identifier.accepts(&self.name);
-        ui.horizontal(|ui| {
+        in_a_row(ui, STORE, |ui| {
             ui.label(text::COPY_NAME.of(language));
             let edit = TextEdit::singleline(&mut self.name).desired_width(COPY_NAME);
             ui.add(edit);
@@ -285,7 +289,7 @@ impl Editor {
 fn show_row(ui: &mut Ui, row: &mut Row, language: Language) -> bool {
     let mut is_changed = false;
     let wrong = row.wrong();
-    ui.horizontal(|ui| {
+    in_a_row(ui, LINE, |ui| {
         cell(ui, NAMES, Align::Min, row.number.name.replace('_', " "));
         let colour = match wrong {
             Some(_) => look::BAD,

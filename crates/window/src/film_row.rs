@@ -2,6 +2,7 @@
 
 use crate::film::{Filmed, Filming, Part, Video};
 use crate::look;
+use crate::rows::{LINE, in_a_row};
 use crate::text::{self, number};
 use eframe::egui::{self, Label, ProgressBar, RichText, Ui, WidgetText, vec2};
 use microsim_vocabulary::Language;
@@ -67,12 +68,12 @@ impl FilmRow {
         }
         let mut wanted = None;
         let section = self.section(range);
-        ui.horizontal(|ui| {
+        in_a_row(ui, LINE, |ui| {
             ui.strong(text::FILM.of(language));
             match &self.filming {
                 Some(filming) => {
                     let part = filming.part();
-                    let bar = ProgressBar::new(part.computed as f32).fill(look::ACCENT);
+                    let bar = ProgressBar::new(fraction(part)).fill(look::ACCENT);
                     ui.add(bar.desired_width(BAR).corner_radius(2.0));
                     if ui.button(text::STOP_FILM.of(language)).clicked() {
                         wanted = Some(Wanted::Stop);
@@ -127,6 +128,12 @@ impl FilmRow {
     pub fn is_filming(&self) -> bool {
         self.filming.is_some()
     }
+}
+
+/// How far a film is, from 0 to 1: computing all ticks up to the section's end is one half, drawing the other one.
+fn fraction(part: Part) -> f32 {
+    let drawn = f64::from(part.written) / f64::from(part.of.max(1));
+    (0.5 * (part.computed + drawn)) as f32
 }
 
 fn progress(part: Part, language: Language) -> String {

@@ -5,10 +5,10 @@ use microsim_render::{Item, snapshot};
 use microsim_settings::RendererConfig;
 use microsim_vocabulary::Finish;
 
-/// Colour of a ghost, sRGB: a turquoise that neither steel nor tissue has.
-pub const COLOUR: [f32; 3] = [0.16, 0.86, 0.80];
+/// Colour of a ghost, sRGB: a violet that neither instruments nor tissue nor the ground below it have.
+const COLOUR: [f32; 3] = [0.78, 0.47, 1.0];
 /// How much of what lies behind it a ghost hides.
-const OPACITY: f32 = 0.45;
+const OPACITY: f32 = 0.55;
 
 /// Where a tool was.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 use crate::ghost::Track;
 use crate::ledger::Debrief;
 use crate::look;
+use crate::rows::{LINE, in_a_row};
 use crate::text;
 use crate::text::local;
 use eframe::egui::{Align, ComboBox, Label, Layout, RichText, Sense, Ui, vec2};
@@ -164,7 +165,7 @@ impl Ghost {
         language: Language,
     ) -> bool {
         let mut wanted = None;
-        ui.horizontal(|ui| {
+        in_a_row(ui, LINE, |ui| {
             let (place, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
             ui.painter().rect_filled(place, 3.0, look::GHOST);
             ui.label(text::REFERENCE_IS.of(language));

@@ -280,7 +280,7 @@ phrases! {
     SHIPPED_STAYS: "Die mitgelieferte Stufe bleibt, wie sie ist. Orte, Größen und Netze ändert man in der Datei selbst.", "The shipped level stays as it is. Places, sizes and meshes are changed in the file itself.";
 
     REFERENCE: "Vergleich (G)", "Reference (G)";
-    REFERENCE_IS: "Durchscheinend, zur selben Zeit:", "Translucent, at the same time:";
+    REFERENCE_IS: "Violett durchscheinend, zur selben Zeit:", "Translucent violet, at the same time:";
     REFERENCE_IS_READ: "wird gelesen …", "is being read …";
     REFERENCE_ENDED: "zu Ende nach", "over after";
     SAME_TIME: "nur die Instrumente", "its instruments alone";
