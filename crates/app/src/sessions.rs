@@ -66,3 +66,26 @@ pub fn films_beside(session: &Path) -> Vec<PathBuf> {
     };
     entries.map(|entry| entry.path()).filter(is_film).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Films of a session are its own: those of one whose name begins alike are not, nor is a file.
+    #[test]
+    fn films_are_found_by_the_name_of_their_session() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let session = folder.path().join("run.session");
+        let expected = [film_beside(&session, 1), film_beside(&session, 12)];
+        assert_eq!(expected[0], folder.path().join("run.film-1"));
+        let others = ["run-2.film-1", "run.film-x", "other.film-1"];
+        let others = others.map(|name| folder.path().join(name));
+        for made in expected.iter().chain(&others) {
+            std::fs::create_dir(made).expect("a folder");
+        }
+        std::fs::write(folder.path().join("run.film-3"), "").expect("a file");
+        let mut found = films_beside(&session);
+        found.sort();
+        assert_eq!(found, expected);
+    }
+}

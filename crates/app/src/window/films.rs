@@ -117,6 +117,13 @@ impl Folder {
     }
 }
 
+impl Drop for Folder {
+    /// A folder without a picture is of no use; one with some cannot be removed like this.
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir(&self.path);
+    }
+}
+
 impl Film for Folder {
     fn add(&mut self, png: &[u8]) -> Result<(), String> {
         let file = self.path.join(format!("frame-{:06}.png", self.written));
@@ -132,7 +139,7 @@ impl Film for Folder {
         Filmed {
             video: self.video(is_stopped),
             pictures: self.written,
-            folder: self.path,
+            folder: self.path.clone(),
         }
     }
 }
@@ -205,6 +212,11 @@ mod tests {
         assert_eq!(film.video, Video::Failed("no encoder".into()));
         let left: Vec<_> = fs::read_dir(&film.folder).expect("a folder").collect();
         assert_eq!(left.len(), 2);
+        let empty = Folder::new(&folder.path().join("b.session"), "x").expect("a folder");
+        let place = empty.path.clone();
+        assert!(place.is_dir());
+        drop(empty);
+        assert!(!place.exists());
         let why = Folder::new(Path::new("/no/such/a.session"), "x").expect_err("no folder");
         assert!(why.contains("/no/such"), "{why}");
     }

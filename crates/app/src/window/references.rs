@@ -224,7 +224,11 @@ fn states(tools: &[ToolSlot], samples: &BTreeMap<String, InputSample>) -> ToolSt
 #[cfg(test)]
 mod tests {
     use super::*;
+    use microsim_host::plan::RunPlan;
+    use microsim_host::record::{Header, RECORD_FORMAT, TickRecord, kind, record};
+    use microsim_message::{ToolPlacement, push};
     use microsim_report::{ReportBuilder, ReportInput};
+    use microsim_session::Writer;
     use microsim_store::Session;
 
     fn debrief(trainee: Option<Id>) -> Debrief {
@@ -340,5 +344,111 @@ mod tests {
         assert_eq!((x(0.0), x(1.0)), (0.0, 0.01));
         assert!((x(0.35) - 0.003).abs() < 1e-12, "{}", x(0.35));
         assert_eq!(track.at(1.01).count(), 0);
+    }
+
+    fn plan() -> RunPlan {
+        let words = LocalText::fixed("Streifen", "strip");
+        RunPlan {
+            module: "push-strip".into(),
+            module_title: words.clone(),
+            level: 1,
+            variant: None,
+            level_title: words.clone(),
+            level_summary: words,
+            seed: 1,
+            tick_ns: 8_000_000,
+            steps: 1,
+            hash_every: 1,
+            input: String::new(),
+            synthetic: None,
+            input_digest: String::new(),
+            queue_messages: 1,
+            queue_bytes: 1,
+            model_error: None,
+            changed_files: Vec::new(),
+            without: Vec::new(),
+            plugins: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// A session of two ticks of 8 ms: a tool is where it was placed in that tick, or else where it was tracked.
+    #[test]
+    fn a_session_is_a_track_of_its_tools() {
+        let header = Header {
+            format: RECORD_FORMAT,
+            version: String::new(),
+            started: 0,
+            started_subsec_ns: 0,
+            trainee: None,
+            id: None,
+            unlisted: false,
+            realtime: false,
+            plan: plan(),
+        };
+        let pose = |x: f64| Pose {
+            position: [x, 0.0, 0.0],
+            ..Pose::default()
+        };
+        let tick = |x: f64| {
+            let mut log = Vec::new();
+            push(
+                &mut log,
+                &ToolStates {
+                    tools: vec![ToolState {
+                        tool: "right".into(),
+                        model: "forceps".into(),
+                        status: ToolStatus::Tracked,
+                        pose: pose(x),
+                        opening: 0.5,
+                    }],
+                },
+            );
+            push(
+                &mut log,
+                &ToolPlacements {
+                    tick: 0,
+                    tools: vec![ToolPlacement {
+                        tool: "right".into(),
+                        pose: pose(7.0),
+                        opening: 0.25,
+                    }],
+                },
+            );
+            TickRecord {
+                arrival_ns: 0,
+                log,
+                chain: vec![0; 32],
+                states: None,
+                failed: false,
+            }
+        };
+        let mut writer = Writer::create(Vec::new()).expect("memory");
+        let records = [
+            record(kind::HEADER, 0, &header),
+            record(kind::TICK, 0, &tick(1.0)),
+            record(kind::TICK, 1, &tick(2.0)),
+        ];
+        for record in records {
+            let written = writer.append(record.kind, record.tick, &record.bytes);
+            written.expect("memory");
+        }
+        let bytes = writer.into_inner();
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.session");
+        std::fs::write(&path, bytes).expect("written");
+        let track = of_session(&path, &AtomicBool::new(false)).expect("a track");
+        let seen = |time: f64| {
+            let tools: Vec<_> = track.at(time).collect();
+            tools
+                .iter()
+                .map(|tool| (tool.pose.position[0], tool.opening))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(seen(0.008), [(7.0, 0.25)]);
+        assert_eq!(seen(0.016), [(2.0, 0.5)]);
+        assert_eq!(track.end(), 0.016);
+        let left = of_session(&path, &AtomicBool::new(true)).expect_err("left");
+        assert!(left.contains("it was left"), "{left}");
     }
 }
