@@ -1,6 +1,8 @@
 //! The numbers of a level that a copy of it may have otherwise: properties of tissue and contact, limits, parameters of metrics and of the module, each
 //! with its unit, range and value. Places, sizes and meshes are not among them: what depends on them, marks and clamps for example, would no longer fit.
 
+use crate::body::{Body, Coupling, Load};
+use crate::contact::ContactPair;
 use crate::document::Loaded;
 use crate::error::KeyPath;
 use crate::level::{KnownMetric, Level, Limit, MetricParameters, Physics};
@@ -9,7 +11,6 @@ use crate::manifest::Manifest;
 use crate::material::{Material, Plasticity};
 use crate::schema::{Key, Kind};
 use crate::table::Table;
-use crate::{Body, ContactPair, Coupling, Load};
 use microsim_vocabulary::{LocalText, QuantityError, Unit};
 use serde_json::Value;
 

@@ -1,6 +1,6 @@
 //! What the level editor needs of a station: the numbers of a level, and a copy of it with others.
 
-use crate::station::Choice;
+use crate::choice::Choice;
 use microsim_settings::{KeyPath, LevelNumber};
 use std::path::PathBuf;
 

@@ -1,9 +1,9 @@
 //! A film of a replay: a section of the session is computed again in a thread of its own, drawn as the viewer sees it, and handed to the station picture by picture.
 
+use crate::films::{Film, Filmed};
 use crate::live::Snapshot;
 use crate::station::{Computation, Recording};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -12,51 +12,6 @@ use std::thread::JoinHandle;
 pub const RATE: f64 = 25.0;
 /// Width and height of the pictures \[pixels\].
 pub const SIZE: [u32; 2] = [1280, 720];
-
-/// What became of the pictures as one file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Video {
-    /// This one.
-    Made(PathBuf),
-    /// The machine has no program that makes one.
-    NoProgram,
-    /// That program failed.
-    Failed(String),
-    /// It was stopped before.
-    Stopped,
-}
-
-/// What there is of a film.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Filmed {
-    /// Where the pictures lie.
-    pub folder: PathBuf,
-    /// Their number.
-    pub pictures: u32,
-    /// All of them as one file.
-    pub video: Video,
-}
-
-/// Where the pictures of a film go.
-pub trait Film: Send {
-    /// Takes the next picture, in PNG.
-    ///
-    /// # Errors
-    /// Why it cannot be written; those before are there.
-    fn add(&mut self, png: &[u8]) -> Result<(), String>;
-
-    /// Makes one file of all of them, unless it is stopped.
-    fn finish(self: Box<Self>, is_stopped: &AtomicBool) -> Filmed;
-}
-
-/// A station that takes films.
-pub trait Films {
-    /// A place for the film of a session.
-    ///
-    /// # Errors
-    /// Why nothing can be written there.
-    fn film(&self, session: &Path) -> Result<Box<dyn Film>, String>;
-}
 
 /// Draws a snapshot as a PNG.
 pub type Camera = Box<dyn FnMut(&Snapshot) -> Result<Vec<u8>, String>>;
@@ -222,6 +177,7 @@ fn next(computation: &mut dyn Computation) -> Result<microsim_host::playback::Mo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::films::Video;
     use std::time::{Duration, Instant};
 
     /// 25 pictures a second are one in 40 ms: five ticks of 8 ms, two or three of 16 ms, and a tick of 50 ms stands for one or two.

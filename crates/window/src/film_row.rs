@@ -1,6 +1,7 @@
 //! The row below a replay in which a film of it is ordered: its section, how far it is, and what came of it.
 
-use crate::film::{Filmed, Filming, Part, Video};
+use crate::film::{Filming, Part};
+use crate::films::{Filmed, Video};
 use crate::look;
 use crate::rows::{LINE, in_a_row};
 use crate::text::{self, number};

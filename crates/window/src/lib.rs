@@ -4,6 +4,7 @@
 //! itself reads no file and writes none.
 //!
 //! - `station`: what a station gives.
+//! - `choice`: what is chosen of it.
 //! - `live`: a run in a thread of its own, paced by the wall clock. The window takes the newest finished snapshot; nothing in the run depends on
 //!   whether and when it is drawn.
 //! - `threads`: computing goes before drawing.
@@ -14,7 +15,7 @@
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
 //! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
 //!   with the states `nearby` in memory.
-//!   `references` are runs beside which it is shown, of which `ghost` draws the tools; a `film` is made of it, ordered in its `film_row`.
+//!   `references` are runs beside which it is shown, of which `ghost` draws the tools; a `film` is made of it, ordered in its `film_row`; `films` go to the station.
 //! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
 //! - `appearance`: the settings screen.
@@ -31,6 +32,7 @@ mod appearance;
 mod attempts;
 mod blit;
 mod canvas;
+mod choice;
 mod console;
 mod copies;
 mod courses;
@@ -40,6 +42,7 @@ mod editor;
 mod field;
 mod film;
 mod film_row;
+mod films;
 mod ghost;
 mod hands;
 mod launcher;
@@ -71,7 +74,7 @@ mod work;
 
 pub use copies::{Changes, LevelCopies};
 pub use desk::{Opening, WindowError, open};
-pub use film::{Film, Filmed, Films, Video};
+pub use films::{Film, Filmed, Films, Video};
 pub use ghost::{GhostTool, Track};
 pub use ledger::{
     Attempt, Change, ComparedRow, Comparison, CourseEntry, CourseLevel, CourseProgress, CourseStep,

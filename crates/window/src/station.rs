@@ -1,7 +1,7 @@
 //! What the window needs of the station at which it is opened.
 
 use crate::copies::LevelCopies;
-use crate::film::Films;
+use crate::films::Films;
 use crate::ledger::{Debrief, Ledger};
 use crate::references::References;
 use microsim_host::playback::{Moment, Playback, Standing};
@@ -12,6 +12,8 @@ use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+
+pub use crate::choice::Choice;
 
 /// All that can be trained.
 #[derive(Clone, Debug, Default)]
@@ -66,19 +68,6 @@ pub struct TraineeEntry {
     pub id: String,
     /// The name.
     pub name: String,
-}
-
-/// What is to be trained, and by whom.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Choice {
-    /// Module.
-    pub module: String,
-    /// Level, from 1.
-    pub level: u32,
-    /// A variant of it, instead of the level itself.
-    pub variant: Option<String>,
-    /// Id of the trainee.
-    pub trainee: Option<String>,
 }
 
 /// A place to train at.
