@@ -51,6 +51,11 @@ impl Document {
         &self.value
     }
 
+    /// Whether something stands at `key` in the file.
+    pub(crate) fn is_written(&self, key: &KeyPath) -> bool {
+        self.root.get(key).is_some()
+    }
+
     /// The number or text at `key` as the file has it; `None` for what is not written there, or is neither.
     pub(crate) fn written(&self, key: &KeyPath) -> Option<String> {
         let node = self.root.get(key)?;

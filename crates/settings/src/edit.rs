@@ -285,7 +285,13 @@ pub fn level_numbers(
                     ),
                     _ => LocalText::new(format!("{name}, Last"), format!("{name}, load")),
                 };
-                all.add(&at, of, (*group, &subject), keys);
+                // A default may be of another kind of coupling, and refused where it is written.
+                let is_written = |key: &&Key| {
+                    let path = at.key(&key.name);
+                    name_of_list != "coupling" || level.document.is_written(&path)
+                };
+                let keys: Vec<Key> = keys.iter().filter(is_written).cloned().collect();
+                all.add(&at, of, (*group, &subject), &keys);
             }
         }
     }
