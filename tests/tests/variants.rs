@@ -1,6 +1,7 @@
 //! Variants of levels: the same task with other methods, chosen by name.
 
-use microsim_tests::microsim;
+use microsim_tests::stations::Station;
+use microsim_tests::{microsim, repository};
 use serde_json::{Value, json};
 
 /// A variant is listed, planned under its name and its title, and refused with those that there are.
@@ -52,4 +53,52 @@ fn variants_of_levels_are_chosen_by_name() {
     );
     let refused = of_level("3", "dissertation").expect(2).err;
     assert!(refused.contains("has no variants"), "{refused}");
+}
+
+/// A copy of a level that was made here is listed and played as a variant, and its session and report name it and its file. Beside it a file that is none is named,
+/// and hides nothing.
+#[test]
+fn a_copy_of_a_level_is_played_as_a_variant() {
+    let station = Station::new();
+    let folder = station.data().join("levels/push-strip");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let shipped = repository().join("modules/push-strip/levels/level1.toml");
+    let shipped = std::fs::read_to_string(shipped).expect("a level");
+    // The one limit that ends the level, so short that the passing script fails it.
+    let time = shipped.find("metric = \"time\"").expect("a limit");
+    let max = time + shipped[time..].find("max = ").expect("its value");
+    let end = max + shipped[max..].find('\n').expect("a line");
+    let mut changed = shipped.clone();
+    changed.replace_range(max..end, "max = \"0.5 s\"");
+    std::fs::write(folder.join("level1.short.toml"), changed).expect("written");
+    std::fs::write(folder.join("notes.txt"), "mine").expect("written");
+    let listed = station.microsim(&["list", "--json"]).expect(0);
+    assert!(listed.err.contains("notes.txt"), "{}", listed.err);
+    let listed = listed.json();
+    let modules = listed["modules"].as_array().expect("modules");
+    let module = modules.iter().find(|of| of["name"] == "push-strip");
+    assert_eq!(
+        module.expect("push-strip")["levels"][0]["variants"],
+        json!(["short"])
+    );
+    let session = station.session("a");
+    let run = station.microsim(&[
+        "run",
+        "push-strip",
+        "--variant",
+        "short",
+        "--input",
+        "script:level1-pass.toml",
+        "--session",
+        session.to_str().expect("UTF-8"),
+        "--json",
+    ]);
+    let run = run.expect(0).json();
+    assert_eq!(
+        (&run["variant"], &run["verdict"]),
+        (&json!("short"), &json!("failed"))
+    );
+    let report = std::fs::read_to_string(session.with_extension("html")).expect("a report");
+    assert!(report.contains("(variant short)") && report.contains("level1.short.toml"));
+    station.microsim(&["replay", "a", "--verify"]).expect(0);
 }

@@ -149,6 +149,10 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
         let name = &folder.manifest.settings.name;
         let scripts = folder.manifest.document.path().with_file_name("scripts");
         let scripts = files_in(&scripts, "toml");
+        let (variants, errors) = installation.variants(folder);
+        for error in errors {
+            findings.note(error.file.clone(), Err(error.to_string()));
+        }
         for (index, path) in folder.levels.iter().enumerate() {
             show(path);
             let level = index as u32 + 1;
@@ -160,7 +164,7 @@ fn check_installation(installation: &Installation, findings: &mut Findings) {
                 path.display().to_string(),
                 check_level(installation, name, level, None, script),
             );
-            for variant in folder.variants.iter().filter(|of| of.level == level) {
+            for variant in variants.iter().filter(|of| of.level == level) {
                 findings.note(
                     variant.path.display().to_string(),
                     check_level(installation, name, level, Some(&variant.name), script),
@@ -424,14 +428,10 @@ fn check_level(
     let loaded = installation
         .variant(module, level, variant)
         .map_err(|e| e.to_string())?;
-    let mut models = BTreeMap::new();
-    for slot in &loaded.settings.tool {
-        let path = installation.config.join("tools").join(&slot.model);
-        if let Ok(model) = settings::load_tool(&path.with_extension("toml")) {
-            models.insert(slot.model.clone(), model.settings);
-        }
-    }
-    let warnings = scene_file::check_level(&loaded, &models, Meshes::Stated)?;
+    let folder = installation.module(module).map_err(|e| e.to_string())?;
+    let models = scene_file::models_of(installation, &loaded.settings);
+    let folder = folder.level_folder();
+    let warnings = scene_file::check_level(&loaded, &models, &folder, Meshes::Stated)?;
     let script = script.ok_or_else(|| {
         format!("module \"{module}\": level {level} has no script scripts/level{level}-pass.toml that passes it")
     })?;
@@ -519,7 +519,8 @@ fn check_file(
             let level = settings::load_level_with(path, manifest, &known_metrics(), &vessels);
             let level = level.map_err(text)?;
             check_assets(place, path, &level)?;
-            scene_file::check_level(&level, &BTreeMap::new(), Meshes::Estimated)
+            let folder = path.parent().unwrap_or(Path::new(""));
+            scene_file::check_level(&level, &BTreeMap::new(), folder, Meshes::Estimated)
         }
         (_, _, "toml") if path.with_extension("csv").is_file() => {
             settings::load_recording_map(&path.with_extension("csv"))

@@ -139,6 +139,7 @@ fn find_folders(
     findings.line("data", writable(&folders.data));
     findings.line("sessions", writable(&sessions));
     findings.line("store", folders.store().display());
+    findings.line("levels", folders.levels().display());
     let replaced = installation.replaced();
     findings.line(
         "settings",
@@ -168,6 +169,7 @@ fn find_folders(
             "data": folders.data,
             "sessions": sessions,
             "store": folders.store(),
+            "levels": folders.levels(),
             "config": folders.config,
             "cache": folders.cache,
             "logs": folders.logs,

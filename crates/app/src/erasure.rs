@@ -8,7 +8,7 @@ use crate::output::{Exit, Problem, print, print_json};
 use crate::progress::Progress;
 use crate::records::{find, open, text};
 use crate::session_file::{is_session, open as open_session};
-use crate::sessions::{files_beside, sessions_below};
+use crate::sessions::{VIDEO, files_beside, films_beside, sessions_below};
 use microsim_settings::unwritable;
 use microsim_store::{Filter, Id, Store, Trainee};
 use serde_json::json;
@@ -64,6 +64,11 @@ pub fn belongings(place: &Place, store: &Store, trainee: &Trainee) -> Result<Bel
                 if !store.is_of_another(&text(&file), trainee.id)? {
                     found.files.insert(file);
                 }
+            }
+            for film in films_beside(path) {
+                found.files.extend(pictures_in(&film));
+                let video = film.join(VIDEO);
+                found.files.extend(video.is_file().then_some(video));
             }
         }
         Ok::<(), Problem>(())

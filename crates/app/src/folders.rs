@@ -82,6 +82,11 @@ impl Folders {
         self.data.join("tables")
     }
 
+    /// Folder of the variants of levels that were made here.
+    pub fn levels(&self) -> PathBuf {
+        self.data.join("levels")
+    }
+
     /// What was calibrated on this station.
     pub fn calibration(&self) -> PathBuf {
         self.config.join("calibration.toml")

@@ -6,13 +6,13 @@ use crate::output::{Exit, Problem, complain, print, print_json};
 use crate::session_file::installation;
 use microsim_host::assemble::known_metrics;
 use microsim_settings as settings;
-use microsim_settings::ModuleFolder;
+use microsim_settings::Variant;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The names of the variants of a level.
-fn variants_of(folder: &ModuleFolder, level: u32) -> Vec<&str> {
-    let of_level = folder.variants.iter().filter(|of| of.level == level);
+/// The names of those variants that are of a level.
+fn variants_of(variants: &[Variant], level: u32) -> Vec<&str> {
+    let of_level = variants.iter().filter(|of| of.level == level);
     of_level.map(|of| of.name.as_str()).collect()
 }
 
@@ -22,6 +22,10 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
     let mut modules = Vec::new();
     for folder in &installation.tree.modules {
         let manifest = &folder.manifest.settings;
+        let (variants, errors) = installation.variants(folder);
+        for error in errors {
+            complain(error);
+        }
         let mut levels = Vec::new();
         for (index, path) in folder.levels.iter().enumerate() {
             let vessels = installation.config.join("vessels");
@@ -30,7 +34,7 @@ pub fn list(place: &Place, args: &ListArgs) -> Result<Exit, Problem> {
                     "level": index + 1,
                     "title": level.settings.title,
                     "summary": level.settings.summary,
-                    "variants": variants_of(folder, index as u32 + 1),
+                    "variants": variants_of(&variants, index as u32 + 1),
                 })),
                 Err(errors) => complain(errors),
             }

@@ -5,6 +5,7 @@ use crate::discretisation::{self, Meshes};
 use crate::output::Problem;
 use crate::session_file::program_folder;
 use crate::working_step::{self, microseconds};
+use microsim_host::assemble::Installation;
 use microsim_mesh::{Severity, TetMesh, defects_but_detached};
 use microsim_scene::{
     Behaviour, BodyView, BuildError, Diverged, End, FromSettingsError, LevelParts, ProbeError,
@@ -208,11 +209,24 @@ impl SceneFile {
     }
 }
 
+/// The shapes of a level's tools that can be read.
+pub fn models_of(
+    installation: &Installation,
+    level: &settings::Level,
+) -> BTreeMap<String, settings::Tool> {
+    let model = |slot: &settings::ToolSlot| {
+        let model = settings::load_tool(&installation.tool_file(&slot.model)).ok()?;
+        Some((slot.model.clone(), model.settings))
+    };
+    level.tool.iter().filter_map(model).collect()
+}
+
 /// Looks at the bodies of a level as a scene would be looked at: meshes, materials, method, step. Gives what should be
-/// known; the error is a sentence per line.
+/// known; the error is a sentence per line. Meshes are those of a folder.
 pub fn check_level(
     level: &Loaded<settings::Level>,
     models: &BTreeMap<String, settings::Tool>,
+    folder: &Path,
     meshes: Meshes,
 ) -> Result<Vec<String>, String> {
     let (document, of) = (&level.document, &level.settings);
@@ -232,7 +246,6 @@ pub fn check_level(
         models,
     };
     let path = document.path();
-    let folder = path.parent().unwrap_or(Path::new(""));
     let described = level_spec(&parts, &mut |file| {
         settings::read_regular(&folder.join(file))
     });

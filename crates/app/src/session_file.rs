@@ -43,6 +43,7 @@ pub fn installation(place: &Place) -> Result<Installation, Problem> {
             Some(_) => None,
             None => Folders::of(place).ok().map(|folders| folders.config),
         },
+        levels: Folders::of(place).ok().map(|folders| folders.levels()),
     };
     let mut installation = Installation::open_with(&root, place.config.as_deref(), &more)?;
     let guests = &mut installation.guests;

@@ -1,8 +1,11 @@
 //! `microsim window`, and `microsim` alone: the station behind the operator's window.
 
+mod copies;
+mod films;
 mod jobs;
 mod ledger;
 mod recorded;
+mod references;
 
 use crate::cli::{Place, WindowArgs};
 use crate::folders::{self, Folders};
@@ -20,7 +23,9 @@ use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::run::{Operator, Realtime, RunOptions, RunOutcome, run};
 use microsim_message::{LocalText, SetupFile};
 use microsim_report::{Language, Page};
-use microsim_settings::{self as settings, Desktop, DesktopConfig, RendererConfig, WindowSettings};
+use microsim_settings::{
+    self as settings, Desktop, DesktopConfig, ModuleFolder, RendererConfig, Variant, WindowSettings,
+};
 use microsim_store::Id;
 use microsim_window::{
     Catalogue, Choice, Debrief, LevelEntry, LiveSession, ModuleEntry, Opening, Recording, Station,
@@ -63,6 +68,7 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
         Ok::<_, Problem>(Choice {
             module: module.clone(),
             level: args.level,
+            variant: args.variant.clone(),
             trainee: trainee.clone(),
             hand,
         })
@@ -90,11 +96,7 @@ pub fn window(place: &Place, args: &WindowArgs) -> Result<Exit, Problem> {
             .module
             .clone()
             .zip(args.variant.clone())
-            .map(|(module, name)| Variant {
-                module,
-                level: args.level,
-                name,
-            }),
+            .map(|(module, variant)| (module, args.level, variant)),
     };
     microsim_window::open(Box::new(station), opening)?;
     Ok(Exit::Done)
@@ -117,27 +119,30 @@ struct AtThisPlace {
     place: Place,
     installation: Installation,
     input: Input,
-    /// What takes the place of a level.
-    variant: Option<Variant>,
-}
-
-/// A variant of a level.
-struct Variant {
-    module: String,
-    level: u32,
-    name: String,
+    /// A variant that is offered besides those that were made here: of a module, its level, its name.
+    variant: Option<(String, u32, String)>,
 }
 
 impl AtThisPlace {
-    /// The variant that takes the place of a level.
-    fn variant_of(&self, module: &str, level: u32) -> Option<&str> {
-        let of = self.variant.as_ref();
-        let of = of.filter(|of| (of.module.as_str(), of.level) == (module, level));
-        of.map(|of| of.name.as_str())
+    /// The variants of a level that are offered: others are for tests of methods.
+    fn offered(&self, module: &ModuleFolder) -> Vec<Variant> {
+        let asked = self.variant.as_ref();
+        let (mut variants, _) = self.installation.variants(module);
+        variants.retain(|of| {
+            let is_asked = asked.is_some_and(|(name, level, variant)| {
+                *name == module.manifest.settings.name && (*level, variant) == (of.level, &of.name)
+            });
+            is_asked || self.installation.is_made_here(of)
+        });
+        variants
     }
 
-    fn level_entry(&self, module: &str, number: u32) -> Result<LevelEntry, String> {
-        let variant = self.variant_of(module, number);
+    fn level_entry(
+        &self,
+        module: &str,
+        number: u32,
+        variant: Option<&str>,
+    ) -> Result<LevelEntry, String> {
         let level = self
             .installation
             .variant(module, number, variant)
@@ -153,6 +158,7 @@ impl AtThisPlace {
         };
         Ok(LevelEntry {
             number,
+            variant: variant.map(str::to_owned),
             title: title_of(&level.title, variant),
             summary: level.summary.clone(),
             tools: level.tool.iter().map(tool).collect::<Result<_, _>>()?,
@@ -179,12 +185,20 @@ impl Station for AtThisPlace {
                 summary: manifest.summary.clone(),
                 levels: Vec::new(),
             };
+            let variants = self.offered(module);
             for number in 1..=module.levels.len() as u32 {
-                match self.level_entry(&manifest.name, number) {
-                    Ok(level) => entry.levels.push(level),
-                    Err(why) => catalogue.complaints.push(why),
+                let of_level = variants.iter().filter(|of| of.level == number);
+                let of_level = of_level.map(|of| Some(&of.name[..]));
+                for variant in std::iter::once(None).chain(of_level) {
+                    match self.level_entry(&manifest.name, number, variant) {
+                        Ok(level) => entry.levels.push(level),
+                        Err(why) => catalogue.complaints.push(why),
+                    }
                 }
             }
+            let (_, wrong) = self.installation.variants(module);
+            let wrong = wrong.iter().map(ToString::to_string);
+            catalogue.complaints.extend(wrong);
             catalogue.modules.push(entry);
         }
         catalogue
@@ -231,13 +245,13 @@ impl Station for AtThisPlace {
     fn begin(&self, choice: &Choice) -> Result<Box<dyn LiveSession>, String> {
         let begun = || {
             let session = new_session(&self.place, choice)?;
-            let variant = self.variant_of(&choice.module, choice.level);
+            let variant = &choice.variant;
             let plan = assemble(
                 &self.installation,
                 &Request {
                     module: choice.module.clone(),
                     level: choice.level,
-                    variant: variant.map(str::to_owned),
+                    variant: variant.clone(),
                     input: self.input.clone(),
                     hand: Some(choice.hand),
                     seed: 1,
@@ -246,9 +260,9 @@ impl Station for AtThisPlace {
                     session: session.clone(),
                 },
             )?;
-            let level = self
-                .installation
-                .variant(&choice.module, choice.level, variant)?;
+            let level =
+                self.installation
+                    .variant(&choice.module, choice.level, variant.as_deref())?;
             let mut limits = level.settings.limit.iter();
             let renderer = renderer_for(&self.installation, &plan, None)?;
             let picture: RendererConfig = renderer.setup.configuration()?;
@@ -326,8 +340,12 @@ fn new_session(place: &Place, choice: &Choice) -> Result<PathBuf, Problem> {
     folders::make(&folder)?;
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let now = now.unwrap_or_default().as_millis();
-    let (module, level, process) = (&choice.module, choice.level, std::process::id());
-    Ok(folder.join(format!("{module}-level{level}-{now}-{process}.session")))
+    let variant = choice.variant.as_ref().map(|name| format!(".{name}"));
+    let (module, variant) = (&choice.module, variant.unwrap_or_default());
+    let (level, process) = (choice.level, std::process::id());
+    Ok(folder.join(format!(
+        "{module}-level{level}{variant}-{now}-{process}.session"
+    )))
 }
 
 /// A level that is about to be trained at this place.
@@ -410,6 +428,7 @@ impl LiveSession for LevelAtDesk {
         })?;
         Ok(Debrief {
             report,
+            variant: self.plan.variant,
             session: self.session,
             page,
             complaints,

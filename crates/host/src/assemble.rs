@@ -367,8 +367,7 @@ impl Planner<'_> {
 
     /// The files that the level names, under the names by which it does.
     fn level_files(&self) -> Result<Vec<SetupFile>, AssembleError> {
-        let path = self.level.document.path();
-        let folder = path.parent().unwrap_or(Path::new(""));
+        let folder = self.module.level_folder();
         let mut files: Vec<SetupFile> = Vec::new();
         for (key, name) in self.level.settings.files() {
             if files.iter().any(|file| file.name == name) {

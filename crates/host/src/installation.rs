@@ -4,7 +4,7 @@ use crate::guest::GuestRules;
 use crate::library::file_hash;
 use crate::request::AssembleError;
 use microsim_settings as settings;
-use settings::{Level, Loaded, Manifest, ModuleFolder};
+use settings::{Level, Loaded, Manifest, ModuleFolder, Variant};
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -24,6 +24,8 @@ pub struct Places {
     pub modules: Vec<PathBuf>,
     /// Whose files take the place of those of `config/` with the same name, as far as [`OF_STATION`] names them.
     pub settings: Option<PathBuf>,
+    /// Whose folders, one for each module, have variants of its levels that were made here.
+    pub levels: Option<PathBuf>,
 }
 
 /// The files of `config/` that a station may replace by its own: how it runs, what its trackers are. What is trained and measured is not among them.
@@ -65,6 +67,8 @@ pub struct Installation {
     pub config: PathBuf,
     /// Folder of the settings of this station, which need not exist.
     pub station: Option<PathBuf>,
+    /// Folder of the variants of levels that were made here, which need not exist.
+    pub made_here: Option<PathBuf>,
     /// Plugins and modules.
     pub tree: settings::Tree,
     /// How the host runs sessions.
@@ -111,6 +115,7 @@ impl Installation {
             root: root.to_path_buf(),
             config,
             station,
+            made_here: more.levels.clone(),
             tree,
             host,
             complaints,
@@ -144,7 +149,7 @@ impl Installation {
         self.hashes.get(file)
     }
 
-    /// Those of the files of a level of a module that are not as the installation brought them, `config/` and `modules/` before their names.
+    /// Those of the files of a level of a module that are not as the installation brought them, `config/`, `modules/` and `levels/` before their names.
     /// None for a module that it did not bring, and in an installation without digests.
     pub(crate) fn changed(
         &self,
@@ -165,8 +170,10 @@ impl Installation {
             if self.brought(&file, &hash) {
                 continue;
             }
+            let here = self.made_here.iter().map(|folder| (folder, "levels"));
             let name = [(&self.config, "config"), (&self.root, "")]
                 .into_iter()
+                .chain(here)
                 .find_map(|(folder, name)| {
                     Some(Path::new(name).join(file.strip_prefix(folder).ok()?))
                 });
@@ -261,6 +268,34 @@ impl Installation {
         self.variant(module, level, None)
     }
 
+    /// The variants of the levels of a module: those that came with it, then those that were made here, as they are now; what is wrong with these.
+    pub fn variants(&self, folder: &ModuleFolder) -> (Vec<Variant>, Vec<settings::ConfigError>) {
+        let mut variants = folder.variants.clone();
+        let Some(here) = self.folder_made_here(folder) else {
+            return (variants, Vec::new());
+        };
+        let (found, errors) = settings::variants_in(&here, folder.levels.len());
+        // One that came with the module goes before one of the same name.
+        let is_new = |of: &Variant| {
+            let mut shipped = folder.variants.iter();
+            !shipped.any(|known| (known.level, &known.name) == (of.level, &of.name))
+        };
+        variants.extend(found.into_iter().filter(is_new));
+        (variants, errors)
+    }
+
+    /// Whether a variant was made here, and did not come with its module.
+    pub fn is_made_here(&self, variant: &Variant) -> bool {
+        let here = self.made_here.as_ref();
+        here.is_some_and(|folder| variant.path.starts_with(folder))
+    }
+
+    /// The folder of the variants of a module's levels that were made here, which need not exist.
+    pub fn folder_made_here(&self, folder: &ModuleFolder) -> Option<PathBuf> {
+        let here = self.made_here.as_ref()?;
+        Some(here.join(&folder.manifest.settings.name))
+    }
+
     /// A variant of a level, or the level itself, checked.
     pub fn variant(
         &self,
@@ -281,7 +316,7 @@ impl Installation {
         })?;
         let path = match variant {
             None => path,
-            Some(name) => variant_of(folder, level, name)
+            Some(name) => &variant_of(self.variants(folder).0, level, name)
                 .map_err(|has| AssembleError(format!("level {level} of \"{module}\" {has}")))?,
         };
         let mut levels = self.levels.lock().unwrap_or_else(PoisonError::into_inner);
@@ -316,17 +351,15 @@ impl Installation {
 }
 
 /// The file of a variant of a level, or what variants there are.
-fn variant_of<'a>(folder: &'a ModuleFolder, level: u32, name: &str) -> Result<&'a PathBuf, String> {
-    let of_level = || {
-        folder
-            .variants
-            .iter()
-            .filter(|variant| variant.level == level)
-    };
-    if let Some(found) = of_level().find(|variant| variant.name == name) {
-        return Ok(&found.path);
+fn variant_of(mut variants: Vec<Variant>, level: u32, name: &str) -> Result<PathBuf, String> {
+    variants.retain(|variant| variant.level == level);
+    if let Some(found) = variants.iter().find(|variant| variant.name == name) {
+        return Ok(found.path.clone());
     }
-    let names: Vec<&str> = of_level().map(|variant| variant.name.as_str()).collect();
+    let names: Vec<&str> = variants
+        .iter()
+        .map(|variant| variant.name.as_str())
+        .collect();
     Err(match names.as_slice() {
         [] => format!("has no variants, and so no \"{name}\""),
         names => format!("has no variant \"{name}\": there is {}", names.join(", ")),

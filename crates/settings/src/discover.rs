@@ -29,6 +29,14 @@ pub struct ModuleFolder {
     pub variants: Vec<Variant>,
 }
 
+impl ModuleFolder {
+    /// The folder of the levels, from which they name their meshes; variants that lie elsewhere, too.
+    pub fn level_folder(&self) -> PathBuf {
+        let manifest = self.manifest.document.path();
+        manifest.with_file_name("levels")
+    }
+}
+
 /// A variant of a level: the same task with other methods, in a file of its own, `levels/level<N>.NAME.toml`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Variant {
@@ -70,14 +78,14 @@ pub fn discover_with(
     let modules = modules
         .into_iter()
         .map(|manifest| {
-            let path = manifest.document.path();
-            let folder = path.parent().unwrap_or(root).join("levels");
-            let (levels, variants) = levels(&folder, &mut errors);
-            ModuleFolder {
+            let mut module = ModuleFolder {
                 manifest,
-                levels,
-                variants,
-            }
+                levels: Vec::new(),
+                variants: Vec::new(),
+            };
+            let folder = module.level_folder();
+            (module.levels, module.variants) = levels(&folder, &mut errors);
+            module
         })
         .collect();
     (Tree { plugins, modules }, errors)
@@ -254,6 +262,26 @@ fn levels(folder: &Path, errors: &mut Vec<ConfigError>) -> (Vec<PathBuf>, Vec<Va
     variants.sort();
     let levels = numbered.into_iter().map(|(_, path)| path).collect();
     (levels, variants)
+}
+
+/// Variants of the first `levels` levels in a folder that has nothing else, and what is wrong there; none where there is no folder.
+pub fn variants_in(folder: &Path, levels: usize) -> (Vec<Variant>, Vec<ConfigError>) {
+    let (mut found, mut errors) = (Vec::new(), Vec::new());
+    if !folder.exists() {
+        return (found, errors);
+    }
+    for path in entries(folder, &mut errors) {
+        match variant(&path).filter(|of| of.level as usize <= levels) {
+            Some(variant) => found.push(variant),
+            None => errors.push(whole_file(
+                &path,
+                "a file that is no variant of a level",
+                &format!("only level<N>.NAME.toml here, with N from 1 to {levels}"),
+            )),
+        }
+    }
+    found.sort();
+    (found, errors)
 }
 
 /// The variant that a file `level<N>.NAME.toml` is; names are identifiers.

@@ -4,7 +4,7 @@ use crate::error::{ConfigError, ConfigErrors, KeyPath, Position};
 use crate::overrides::Override;
 use crate::read::Reader;
 use crate::schema::{Kind, Schema};
-use crate::tree::Node;
+use crate::tree::{Item, Node};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -49,6 +49,21 @@ impl Document {
     /// The values in SI, with the defaults filled in.
     pub fn value(&self) -> &Value {
         &self.value
+    }
+
+    /// Whether something stands at `key` in the file.
+    pub(crate) fn is_written(&self, key: &KeyPath) -> bool {
+        self.root.get(key).is_some()
+    }
+
+    /// The number or text at `key` as the file has it; `None` for what is not written there, or is neither.
+    pub(crate) fn written(&self, key: &KeyPath) -> Option<String> {
+        let node = self.root.get(key)?;
+        match &node.item {
+            Item::Text(text) => Some(text.clone()),
+            Item::Integer(number) => Some(number.to_string()),
+            _ => None,
+        }
     }
 
     /// A complaint about the value at `key`, for checks that need more than this file.

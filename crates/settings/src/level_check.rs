@@ -46,7 +46,8 @@ fn vessels_of_tree(level: &Path) -> PathBuf {
     folder.join("../../../config/vessels")
 }
 
-fn read_level_with(
+/// Reads a level from a text as [`read_level`] does, with the vessels in a folder.
+pub fn read_level_with(
     text: &str,
     file: &str,
     manifest: &Manifest,
@@ -275,12 +276,17 @@ fn check_limits(reading: &mut Reading, manifest: &Manifest, known_metrics: &[Kno
     }
 }
 
+/// What a value of a limit may be, of a metric in this unit.
+pub(crate) fn limit_kind(unit: Unit) -> Kind {
+    match unit {
+        Unit::Count => Kind::quantity(unit, 0.0, f64::INFINITY),
+        unit => Kind::quantity(unit, f64::NEG_INFINITY, f64::INFINITY),
+    }
+}
+
 /// Reads the values of a limit in the unit of its metric and compares them.
 fn check_limit(reading: &mut Reading, limit: &KeyPath, metric: &KnownMetric<'_>) {
-    let kind = match metric.unit {
-        Unit::Count => Kind::quantity(metric.unit, 0.0, f64::INFINITY),
-        unit => Kind::quantity(unit, f64::NEG_INFINITY, f64::INFINITY),
-    };
+    let kind = limit_kind(metric.unit);
     let fields = ["min", "max", "full", "zero"];
     let [min, max, full, zero] = fields.map(|field| {
         let value = reading.refine(&limit.key(field), &kind);

@@ -23,6 +23,8 @@ mod describe;
 mod desktop;
 mod discover;
 mod document;
+mod edit;
+mod edit_text;
 mod error;
 mod explain;
 mod explain_tools;
@@ -75,8 +77,10 @@ pub use contact::{
 pub use course::{Course, CourseStep, Unlock, load_course, read_course};
 pub use describe::{json_schema, reference};
 pub use desktop::{Desktop, DesktopConfig, load_desktop, read_desktop};
-pub use discover::{ModuleFolder, Tree, Variant, discover, discover_with};
+pub use discover::{ModuleFolder, Tree, Variant, discover, discover_with, variants_in};
 pub use document::{Document, Loaded};
+pub use edit::{LevelNumber, NumberGroup, WrongNumber, level_numbers, number_names};
+pub use edit_text::LevelCopy;
 pub use error::{ConfigError, ConfigErrors, KeyPath, Position};
 pub use explain::{LevelPart, level_parts};
 pub use explain_tools::translator_parts;
@@ -90,7 +94,7 @@ pub use kinds::LENGTH_MAX;
 pub use level::{
     Clock, KnownMetric, Level, Limit, MetricParameters, Object, Physics, Shape, ToolSlot, View,
 };
-pub use level_check::{level_schema, load_level, load_level_with, read_level};
+pub use level_check::{level_schema, load_level, load_level_with, read_level, read_level_with};
 pub use manifest::{KeyType, Manifest, MessageKind, ModuleKey, ModuleMetric, PluginFile, Reason};
 pub use manifest_check::{load_manifest, read_manifest};
 pub use material::{Fibres, Law, Material, Plasticity, SpringForm};

@@ -340,7 +340,7 @@ fn is_colour(text: &str) -> bool {
 }
 
 /// Whether a text begins as a number does that is written with a comma, as in German.
-fn has_decimal_comma(text: &str) -> bool {
+pub(crate) fn has_decimal_comma(text: &str) -> bool {
     let is_sign = |c: char| c == '+' || c == '-';
     let digits = text.trim().trim_start_matches(is_sign);
     let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');

@@ -2,6 +2,7 @@
 
 use crate::blit::Shown;
 use crate::field::Field;
+use crate::ghost::Track;
 use crate::live::Snapshot;
 use crate::look;
 use crate::text;
@@ -18,6 +19,8 @@ pub struct Subject<'a> {
     pub models: &'a mut Models,
     /// The newest state, if there is one.
     pub snapshot: Option<&'a Snapshot>,
+    /// A reference whose tools are drawn, too.
+    pub ghost: Option<&'a Track>,
     /// Whether it was not drawn yet.
     pub is_new: bool,
 }
@@ -58,7 +61,8 @@ impl Canvas {
         if let Some(snapshot) = subject.snapshot
             && (subject.is_new || !self.fits(size))
         {
-            match field.draw(subject.config, subject.models, snapshot, size) {
+            let seen = (snapshot, subject.ghost);
+            match field.draw(subject.config, subject.models, seen, size) {
                 Ok(picture) => {
                     (self.picture, self.drawn) = (Some(picture), Some(size));
                     self.complaint = None;

@@ -45,6 +45,10 @@ pub enum Asked {
     EventBefore,
     /// The event after it.
     EventAfter,
+    /// A reference beside it, or none any more.
+    Ghost,
+    /// A film of it.
+    Film,
 }
 
 /// What a key asks for.
@@ -58,6 +62,8 @@ pub fn by_key(key: Key) -> Option<Asked> {
         Key::ArrowDown => Asked::EventAfter,
         Key::Home => Asked::Begin,
         Key::End => Asked::End,
+        Key::G => Asked::Ghost,
+        Key::V => Asked::Film,
         Key::Num1 => Asked::Speed(0),
         Key::Num2 => Asked::Speed(1),
         Key::Num3 => Asked::Speed(2),
@@ -128,6 +134,10 @@ pub struct Console<'a> {
     pub magnification: f64,
     /// How much is done for a picture.
     pub quality: Quality,
+    /// Whether a reference is shown.
+    pub ghost: bool,
+    /// Whether a film can be ordered.
+    pub films: bool,
     /// Whether what happened stands beside the picture, and the curves below it.
     pub panels: bool,
 }
@@ -170,6 +180,15 @@ impl Console<'_> {
                 }
                 if shortcut::button(ui, text::LANGUAGE.of(language), shortcut::LANGUAGE) {
                     asked.push(Asked::Language);
+                }
+                for (name, is_on, wanted) in [
+                    (text::FILM_KEY, self.films, Asked::Film),
+                    (text::REFERENCE, self.ghost, Asked::Ghost),
+                ] {
+                    let button = Button::selectable(is_on, name.of(language));
+                    if ui.add(button.frame_when_inactive(true)).clicked() {
+                        asked.push(wanted);
+                    }
                 }
                 let session = &self.report.session;
                 let title = format!(

@@ -3,6 +3,7 @@
 use crate::appearance::{self, Appearance};
 use crate::debrief::{self, Next};
 use crate::device::{self, Fault, Waker};
+use crate::editor::{self, Editor};
 use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
@@ -116,6 +117,8 @@ enum Screen {
     Records(Box<Records>),
     Upkeep,
     Settings(Appearance),
+    /// Another copy of a level.
+    Editor(Box<Editor>),
     /// Why a level did not begin, or has nothing to show.
     Complaint(String),
 }
@@ -183,6 +186,7 @@ impl Desk {
                 .position(|m| m.name == choice.module);
             desk.launcher.module = place.unwrap_or_default();
             desk.launcher.level = choice.level;
+            desk.launcher.variant = choice.variant.clone();
             desk.launcher.trainee = choice.trainee.clone();
             if opening.begins {
                 desk.begin(choice);
@@ -201,7 +205,8 @@ impl Desk {
             .modules
             .iter()
             .find(|m| m.name == choice.module)?;
-        let level = module.levels.iter().find(|l| l.number == choice.level)?;
+        let is_chosen = |l: &&LevelEntry| (l.number, &l.variant) == (choice.level, &choice.variant);
+        let level = module.levels.iter().find(is_chosen)?;
         Some((module, level))
     }
 
@@ -250,6 +255,7 @@ impl Desk {
         Choice {
             module: session.module.clone(),
             level: session.level,
+            variant: debrief.variant.clone(),
             trainee: self.launcher.trainee.clone(),
             hand: self.launcher.hand,
         }
@@ -279,7 +285,8 @@ impl Desk {
             return;
         };
         let panels = self.settings.panels;
-        match replay.show(ui, &mut self.field, panels, self.language) {
+        let station = &*self.station;
+        match replay.show(ui, &mut self.field, station, panels, self.language) {
             None => {}
             Some(replay::Outcome::Language) => self.change_language(),
             Some(replay::Outcome::Back) => {
@@ -306,6 +313,10 @@ impl Desk {
             Some(Wanted::Language) => self.change_language(),
             Some(Wanted::Records) => self.open_records(),
             Some(Wanted::Settings) => self.screen = Screen::Settings(Appearance::default()),
+            Some(Wanted::Edit(choice)) => {
+                self.edit(choice);
+                ui.ctx().request_repaint();
+            }
             Some(Wanted::Quit) => ui.send_viewport_cmd(egui::ViewportCommand::Close),
             Some(Wanted::Begin(choice)) => {
                 self.begin(choice);
@@ -341,6 +352,32 @@ impl Desk {
                 });
             }
             Some(appearance::Wanted::Back) => self.screen = Screen::Launcher,
+        }
+    }
+
+    fn edit(&mut self, choice: Choice) {
+        let Some((module, level)) = self.entries(&choice) else {
+            return;
+        };
+        let titles = (module.title.clone(), level.title.clone());
+        self.screen = match Editor::new(&*self.station, choice, titles) {
+            Ok(editor) => Screen::Editor(Box::new(editor)),
+            Err(why) => Screen::Complaint(why),
+        };
+    }
+
+    fn show_editor(&mut self, ui: &mut Ui) {
+        let Screen::Editor(editor) = &mut self.screen else {
+            return;
+        };
+        match editor.show(ui, &*self.station, self.language) {
+            None => {}
+            Some(editor::Wanted::Language) => self.change_language(),
+            Some(editor::Wanted::Back) => self.screen = Screen::Launcher,
+            Some(editor::Wanted::Stored(name)) => {
+                self.launcher.variant = Some(name);
+                self.catalogue = self.station.catalogue();
+            }
         }
     }
 
@@ -404,6 +441,7 @@ impl Desk {
         };
         let next = Choice {
             level: choice.level + 1,
+            variant: None,
             ..choice.clone()
         };
         let again = choice.clone();
@@ -419,6 +457,7 @@ impl Desk {
             Some(wanted) => {
                 let choice = if wanted == Next::Again { again } else { next };
                 self.launcher.level = choice.level;
+                self.launcher.variant = choice.variant.clone();
                 self.begin(choice);
             }
         }
@@ -515,6 +554,7 @@ impl device::Shown for Desk {
         let panels = self.settings.panels;
         match &mut self.screen {
             Screen::Settings(_) => self.show_settings(ui),
+            Screen::Editor(_) => self.show_editor(ui),
             Screen::Launcher => self.show_launcher(ui),
             Screen::Debrief(..) => self.show_debrief(ui),
             Screen::Replay(..) => self.show_replay(ui),

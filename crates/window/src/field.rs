@@ -1,13 +1,15 @@
 //! The field of the microscope: snapshots drawn into a texture that the window shows.
 
 use crate::blit::{Blitter, Shown};
+use crate::film::MakeCamera;
+use crate::ghost::Track;
 use crate::live::Snapshot;
 use crate::pace::Times;
 use eframe::egui::Rect;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use microsim_gpu::Gpu;
-use microsim_message::{ObjectScene, ToolPlacements, ToolStates};
+use microsim_message::{ObjectScene, SetupFile, ToolPlacements, ToolStates};
 use microsim_render::{Models, Picture, Quality, Renderer, Stereo, StereoLayout, snapshot};
 use microsim_settings::{RendererConfig, WindowSettings};
 use microsim_vocabulary::{EyeLayout, PictureQuality};
@@ -27,6 +29,7 @@ pub struct Field {
     shown: Option<(Shown, wgpu::Texture)>,
     /// Whether this machine's quality was measured, or another one was chosen.
     has_measured: bool,
+    depth_of_field: bool,
     stereo: Stereo,
     /// From the main lens to the plane of focus \[m\].
     working_distance: f64,
@@ -51,6 +54,7 @@ impl Field {
             blitter: Blitter::new(&state.device, state.target_format),
             shown: None,
             has_measured: false,
+            depth_of_field: WindowSettings::default().depth_of_field,
             stereo: Stereo::default(),
             working_distance: WindowSettings::default().working_distance,
         })
@@ -74,6 +78,7 @@ impl Field {
         }
         self.has_measured = quality.is_some();
         self.renderer.set_depth_of_field(settings.depth_of_field);
+        self.depth_of_field = settings.depth_of_field;
         self.working_distance = settings.working_distance;
         self.stereo = Stereo {
             layout: match settings.stereo {
@@ -121,18 +126,12 @@ impl Field {
         &mut self,
         config: &RendererConfig,
         models: &mut Models,
-        snapshot: &Snapshot,
+        (snapshot, ghost): (&Snapshot, Option<&Track>),
         size: [u32; 2],
     ) -> Result<Shown, String> {
-        let [width, height] = size.map(|side| side.max(LEAST_SIDE));
-        let mut picture = Picture {
-            width,
-            height,
-            stereo: self.stereo,
-            ..picture_of(config, models, snapshot)
-        };
-        let nearest = picture.view.field_diameter;
-        picture.view.working_distance = self.working_distance.max(nearest);
+        let picture = self
+            .sight()
+            .picture(config, models, (snapshot, ghost), size);
         if !self.has_measured {
             let start = Instant::now();
             let mut seconds = || start.elapsed().as_secs_f64();
@@ -145,6 +144,16 @@ impl Field {
         self.shown()
     }
 
+    /// How it is looked at now.
+    pub fn sight(&self) -> Sight {
+        Sight {
+            quality: self.renderer.quality(),
+            depth_of_field: self.depth_of_field,
+            stereo: self.stereo,
+            working_distance: self.working_distance,
+        }
+    }
+
     fn shown(&mut self) -> Result<Shown, String> {
         let texture = self.renderer.texture().ok_or("nothing was drawn")?;
         if let Some((shown, of)) = &self.shown
@@ -155,6 +164,65 @@ impl Field {
         let shown = self.blitter.shown(&self.state.device, texture);
         self.shown = Some((shown.clone(), texture.clone()));
         Ok(shown)
+    }
+}
+
+/// How the field is looked at, whoever draws it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sight {
+    quality: Quality,
+    depth_of_field: bool,
+    stereo: Stereo,
+    /// From the main lens to the plane of focus \[m\].
+    working_distance: f64,
+}
+
+impl Sight {
+    /// A snapshot with the tools of a reference, `size` pixels wide and high.
+    fn picture(
+        &self,
+        config: &RendererConfig,
+        models: &mut Models,
+        (snapshot, ghost): (&Snapshot, Option<&Track>),
+        size: [u32; 2],
+    ) -> Picture {
+        let [width, height] = size.map(|side| side.max(LEAST_SIDE));
+        let mut picture = Picture {
+            width,
+            height,
+            stereo: self.stereo,
+            ..picture_of(config, models, snapshot)
+        };
+        let nearest = picture.view.field_diameter;
+        picture.view.working_distance = self.working_distance.max(nearest);
+        let ghost = ghost.map(|track| track.items(config, snapshot.time));
+        picture.items.extend(ghost.into_iter().flatten());
+        picture
+    }
+
+    /// A camera with a graphics device of its own, made in the thread that draws.
+    pub fn camera(
+        self,
+        config: RendererConfig,
+        files: Vec<SetupFile>,
+        ghost: Option<Arc<Track>>,
+        size: [u32; 2],
+    ) -> MakeCamera {
+        Box::new(move || {
+            let files = files.iter().map(|f| (&f.name[..], &f.bytes[..]));
+            let mut models = Models::new(&files.collect::<Vec<_>>())?;
+            let gpu = Gpu::off_screen().map_err(|e| e.to_string())?;
+            let renderer = Renderer::of_quality(&gpu, self.quality);
+            let mut renderer = renderer.map_err(|e| e.to_string())?;
+            renderer.set_depth_of_field(self.depth_of_field);
+            let draw = move |snapshot: &Snapshot| {
+                let seen = (snapshot, ghost.as_deref());
+                let picture = self.picture(&config, &mut models, seen, size);
+                let image = renderer.draw(&picture).map_err(|e| e.to_string())?;
+                Ok(image.to_png())
+            };
+            Ok(Box::new(draw))
+        })
     }
 }
 

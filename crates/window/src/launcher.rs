@@ -16,6 +16,8 @@ pub struct Launcher {
     pub module: usize,
     /// Level, from 1.
     pub level: u32,
+    /// A variant of it, instead of the level itself.
+    pub variant: Option<String>,
     /// Id of the trainee.
     pub trainee: Option<String>,
     /// The trainee's dominant hand.
@@ -31,6 +33,8 @@ pub enum Wanted {
     Records,
     /// How the window looks.
     Settings,
+    /// Another copy of what is chosen.
+    Edit(Choice),
     /// The other language.
     Language,
     /// The end.
@@ -54,6 +58,7 @@ impl Launcher {
         Some(Choice {
             module: module.name.clone(),
             level: self.level.max(1),
+            variant: self.variant.clone(),
             trainee: self.trainee.clone(),
             hand: self.hand,
         })
@@ -94,7 +99,7 @@ impl Launcher {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     for (index, module) in offer.catalogue.modules.iter().enumerate() {
                         if module_card(ui, module, index == self.module, language) {
-                            (self.module, self.level) = (index, 1);
+                            self.choose_module(index);
                         }
                     }
                     for complaint in &offer.catalogue.complaints {
@@ -107,7 +112,7 @@ impl Launcher {
                 return;
             };
             ui.label(look::heading(text::LEVELS.of(language)));
-            let levels = ui.available_height() - 60.0;
+            let levels = ui.available_height() - 92.0;
             ScrollArea::vertical()
                 .max_height(levels)
                 .auto_shrink([false, false])
@@ -116,13 +121,14 @@ impl Launcher {
                         let choice = Choice {
                             module: module.name.clone(),
                             level: level.number,
+                            variant: level.variant.clone(),
                             trainee: self.trainee.clone(),
                             hand: self.hand,
                         };
                         let locked = (offer.locked)(&choice);
-                        let chosen = level.number == self.level.max(1);
+                        let chosen = self.is_chosen(level);
                         if level_card(ui, level, chosen, locked.as_ref(), language) {
-                            self.level = level.number;
+                            self.choose_level(level);
                         }
                     }
                 });
@@ -132,13 +138,15 @@ impl Launcher {
                 if begin.clicked() {
                     wanted = self.choice(offer.catalogue).map(Wanted::Begin);
                 }
-                ui.add_space(12.0);
-                let mut is_left = self.hand == DominantHand::Left;
-                let hand = ui.checkbox(&mut is_left, text::LEFT_HANDED.of(language));
-                if hand.clicked() {
-                    self.change_hand();
+                if ui.button(text::EDIT_LEVEL.of(language)).clicked() {
+                    wanted = self.choice(offer.catalogue).map(Wanted::Edit);
                 }
             });
+            let mut is_left = self.hand == DominantHand::Left;
+            let hand = ui.checkbox(&mut is_left, text::LEFT_HANDED.of(language));
+            if hand.clicked() {
+                self.change_hand();
+            }
         });
         wanted
     }
@@ -148,6 +156,18 @@ impl Launcher {
             DominantHand::Right => DominantHand::Left,
             DominantHand::Left => DominantHand::Right,
         };
+    }
+
+    fn choose_module(&mut self, index: usize) {
+        (self.module, self.level, self.variant) = (index, 1, None);
+    }
+
+    fn choose_level(&mut self, level: &LevelEntry) {
+        (self.level, self.variant) = (level.number, level.variant.clone());
+    }
+
+    fn is_chosen(&self, level: &LevelEntry) -> bool {
+        (level.number, &level.variant) == (self.level.max(1), &self.variant)
     }
 
     fn choose_trainee(&mut self, ui: &mut Ui, offer: &Offer<'_>, language: Language) {
@@ -176,7 +196,7 @@ impl Launcher {
         ui.label(text::TRAINEE.of(language));
     }
 
-    /// Arrows choose, up and down the module, left and right the level, H the trainee's hand, and Enter begins: in the order in which they were pressed, however slow the pictures are.
+    /// Arrows choose, up and down the module, left and right the level, H the trainee's hand, Enter begins, and E changes a copy: in the order in which they were pressed, however slow the pictures are.
     fn choose_by_keys(&mut self, ui: &Ui, catalogue: &Catalogue) -> Option<Wanted> {
         let last = catalogue.modules.len().checked_sub(1)?;
         if ui.memory(|memory| memory.focused().is_some()) {
@@ -190,16 +210,24 @@ impl Launcher {
         };
         let keys: Vec<Key> = ui.input(|input| input.events.iter().filter_map(is_press).collect());
         for key in keys {
-            let levels = catalogue.modules[self.module.min(last)].levels.len() as u32;
+            let levels = &catalogue.modules[self.module.min(last)].levels;
+            let place = levels.iter().position(|level| self.is_chosen(level));
+            let place = place.unwrap_or_default();
             match key {
-                Key::ArrowDown if self.module < last => {
-                    (self.module, self.level) = (self.module + 1, 1)
+                Key::ArrowDown if self.module < last => self.choose_module(self.module + 1),
+                Key::ArrowUp if self.module > 0 => self.choose_module(self.module - 1),
+                Key::ArrowRight | Key::ArrowLeft => {
+                    let place = match key {
+                        Key::ArrowRight => place + 1,
+                        _ => place.saturating_sub(1),
+                    };
+                    if let Some(level) = levels.get(place) {
+                        self.choose_level(level);
+                    }
                 }
-                Key::ArrowUp if self.module > 0 => (self.module, self.level) = (self.module - 1, 1),
-                Key::ArrowRight => self.level = (self.level.max(1) + 1).min(levels),
-                Key::ArrowLeft => self.level = self.level.saturating_sub(1).max(1),
                 Key::H => self.change_hand(),
                 Key::Enter => return self.choice(catalogue).map(Wanted::Begin),
+                Key::E => return self.choice(catalogue).map(Wanted::Edit),
                 _ => {}
             }
         }

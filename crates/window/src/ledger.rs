@@ -93,6 +93,8 @@ pub struct Comparison {
 pub struct Debrief {
     /// Its report.
     pub report: Report,
+    /// The variant of its level that was trained.
+    pub variant: Option<String>,
     /// The session file.
     pub session: PathBuf,
     /// The page of the report.

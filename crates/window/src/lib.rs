@@ -4,6 +4,7 @@
 //! itself reads no file and writes none.
 //!
 //! - `station`: what a station gives.
+//! - `choice`: what is chosen of it.
 //! - `live`: a run in a thread of its own, paced by the wall clock. The window takes the newest finished snapshot; nothing in the run depends on
 //!   whether and when it is drawn.
 //! - `threads`: computing goes before drawing.
@@ -17,9 +18,11 @@
 //! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
 //!   with the states `nearby` in memory.
 //! - `device`: the graphics device under the window, had back where the driver loses it.
+//!   `references` are runs beside which it is shown, of which `ghost` draws the tools; a `film` is made of it, ordered in its `film_row`; `films` go to the station.
 //! - `canvas`: the place of a picture on a screen.
 //! - `records`: trainees and results, of a [`Ledger`]: `attempts`, `learning`, `courses`, `person`, in `rows`.
 //! - `appearance`: the settings screen.
+//! - `editor`: numbers of a level, with units and ranges, and a copy of it with others, of [`LevelCopies`]; `number_words` explains them in German.
 //! - `upkeep`: courses and the store as a whole, with `work` that goes on beside the window's thread.
 //! - `look`: colours and sizes; `text`: all texts.
 //!
@@ -32,12 +35,19 @@ mod appearance;
 mod attempts;
 mod blit;
 mod canvas;
+mod choice;
 mod console;
+mod copies;
 mod courses;
 mod debrief;
 mod desk;
 mod device;
+mod editor;
 mod field;
+mod film;
+mod film_row;
+mod films;
+mod ghost;
 mod hands;
 mod launcher;
 mod learning;
@@ -45,6 +55,7 @@ mod ledger;
 mod live;
 mod look;
 mod nearby;
+mod number_words;
 mod pace;
 mod panels;
 mod pedal;
@@ -52,6 +63,7 @@ mod person;
 mod player;
 mod plot;
 mod records;
+mod references;
 mod replay;
 mod rows;
 mod scope;
@@ -67,13 +79,17 @@ mod training;
 mod upkeep;
 mod work;
 
+pub use copies::{Changes, LevelCopies};
 pub use desk::{Opening, WindowError, open};
+pub use films::{Film, Filmed, Films, Video};
+pub use ghost::{GhostTool, Track};
 pub use ledger::{
     Attempt, Change, ComparedRow, Comparison, CourseEntry, CourseLevel, CourseProgress, CourseStep,
     Debrief, Done, Job, Learning, Ledger, Participant, Percentile, Person, Role, Selection,
     StandingRow, StepState, Work,
 };
 pub use live::SHOWN;
+pub use references::{Motion, ReadTrack, Reference, References};
 pub use station::{
     Catalogue, Choice, Computation, LevelEntry, LiveSession, ModuleEntry, Recording, Station,
     ToolEntry, TraineeEntry,

@@ -21,6 +21,8 @@ pub const ACCENT: Color32 = Color32::from_rgb(86, 180, 233);
 pub const GOOD: Color32 = Color32::from_rgb(64, 200, 160);
 /// Failed, beyond a limit.
 pub const BAD: Color32 = Color32::from_rgb(240, 150, 60);
+/// A reference in the picture, as `ghost` draws it.
+pub const GHOST: Color32 = Color32::from_rgb(199, 120, 255);
 /// Text on a button of the accent's colour.
 pub const ON_ACCENT: Color32 = Color32::from_rgb(8, 18, 24);
 

@@ -4,15 +4,19 @@ use crate::canvas::{Canvas, Subject};
 use crate::console::{Asked, Console, by_key};
 use crate::device::Waker;
 use crate::field::Field;
+use crate::film::{self, Filming};
+use crate::film_row::{self, FilmRow};
 use crate::ledger::Debrief;
 use crate::live::Snapshot;
 use crate::player::{Player, State};
 use crate::plot::Curve;
+use crate::references::Ghost;
 use crate::scope::Scope;
-use crate::station::Recording;
+use crate::station::{Recording, Station};
 use crate::text::{self, Phrase};
 use crate::timeline::{self, Mark};
 use eframe::egui::{self, Event, Key, Ui};
+use microsim_message::SetupFile;
 use microsim_render::Models;
 use microsim_settings::RendererConfig;
 use microsim_vocabulary::Language;
@@ -36,6 +40,10 @@ pub struct Replay {
     scope: Scope,
     snapshot: Option<Snapshot>,
     canvas: Canvas,
+    /// The files of models that objects have, for films.
+    files: Vec<SetupFile>,
+    ghost: Ghost,
+    film: FilmRow,
 }
 
 /// What the viewer asked for that leads elsewhere.
@@ -56,6 +64,12 @@ pub fn waiting(state: &State) -> Option<Phrase> {
     }
 }
 
+/// What has the next picture shown.
+fn wake_of(ui: &Ui) -> impl Fn() + Send + 'static {
+    let context = ui.ctx().clone();
+    move || context.request_repaint()
+}
+
 impl Replay {
     /// Opens a session at a tick.
     ///
@@ -68,10 +82,10 @@ impl Replay {
         waker: Waker,
     ) -> Result<Self, (Box<Debrief>, String)> {
         let config = recording.picture().clone();
-        let files = recording.files().iter();
-        let files: Vec<(&str, &[u8])> = files.map(|f| (&f.name[..], &f.bytes[..])).collect();
+        let files = recording.files().to_vec();
+        let named: Vec<(&str, &[u8])> = files.iter().map(|f| (&f.name[..], &f.bytes[..])).collect();
         let wake = move || waker.wake();
-        let models = Models::new(&files);
+        let models = Models::new(&named);
         let begun = models.and_then(|models| Ok((models, Player::start(recording, tick, wake)?)));
         let (models, player) = match begun {
             Ok(begun) => begun,
@@ -87,6 +101,9 @@ impl Replay {
             player,
             snapshot: None,
             canvas: Canvas::default(),
+            files,
+            ghost: Ghost::default(),
+            film: FilmRow::default(),
         })
     }
 
@@ -105,6 +122,7 @@ impl Replay {
         &mut self,
         ui: &mut Ui,
         field: &mut Field,
+        station: &dyn Station,
         panels: bool,
         language: Language,
     ) -> Option<Outcome> {
@@ -130,9 +148,12 @@ impl Replay {
             speed: self.player.speed(),
             magnification: self.scope.magnification(),
             quality: field.quality(),
+            ghost: self.ghost.is_on,
+            films: self.film.is_open,
             panels,
         };
         asked.extend(console.show(ui, language));
+        self.show_rows(ui, field, station, &state, language);
         let waiting = waiting(&state).map_or("", |waiting| waiting.of(language));
         let frame = egui::Frame::NONE;
         egui::CentralPanel::default().frame(frame).show(ui, |ui| {
@@ -140,6 +161,7 @@ impl Replay {
                 config: &self.config,
                 models: &mut self.models,
                 snapshot: self.snapshot.as_ref(),
+                ghost: self.ghost.track().map(|track| &**track),
                 is_new,
             };
             let (response, _) = self.canvas.show(ui, field, subject, waiting, language);
@@ -148,9 +170,82 @@ impl Replay {
         });
         let mut outcome = None;
         for asked in asked {
-            outcome = self.follow(asked).or(outcome);
+            match asked {
+                Asked::Ghost => {
+                    let wake = wake_of(ui);
+                    self.ghost.toggle(station, &self.debrief, wake);
+                    self.canvas.redraw();
+                }
+                Asked::Film => self.film.is_open = !self.film.is_open,
+                asked => outcome = self.follow(asked).or(outcome),
+            }
         }
         outcome
+    }
+
+    /// The rows of the reference and of films, where they are wanted.
+    fn show_rows(
+        &mut self,
+        ui: &mut Ui,
+        field: &Field,
+        station: &dyn Station,
+        state: &State,
+        language: Language,
+    ) {
+        if self.ghost.take() {
+            self.canvas.redraw();
+        }
+        if self.ghost.is_on {
+            let time = self.snapshot.as_ref().map_or(0.0, |seen| seen.time);
+            let is_other = egui::Panel::top("reference")
+                .show_separator_line(false)
+                .show(ui, |ui| {
+                    let (of, wake) = ((station, &*self.debrief), wake_of(ui));
+                    self.ghost.show(ui, of, time, wake, language)
+                })
+                .inner;
+            if is_other {
+                self.canvas.redraw();
+            }
+        }
+        if self.film.is_open || self.film.is_filming() {
+            let tick_s = self.debrief.report.session.tick_s;
+            let wanted = egui::Panel::bottom("film")
+                .show_separator_line(false)
+                .show(ui, |ui| {
+                    let of = (state.shown, &state.range, tick_s);
+                    self.film.show(ui, of, language)
+                })
+                .inner;
+            match wanted {
+                None => {}
+                Some(film_row::Wanted::Stop) => self.film.stop(),
+                Some(film_row::Wanted::Begin(section)) => {
+                    let started = self.begin_film(section, field, station, wake_of(ui));
+                    self.film.begin(started);
+                }
+            }
+        }
+    }
+
+    /// A film of a section, as it is seen now.
+    fn begin_film(
+        &self,
+        section: [u64; 2],
+        field: &Field,
+        station: &dyn Station,
+        wake: impl Fn() + Send + 'static,
+    ) -> Result<Filming, String> {
+        let session = &self.debrief.session;
+        let ghost = self.ghost.track().cloned();
+        let (config, files) = (self.config.clone(), self.files.clone());
+        let scene = film::Scene {
+            recording: station.replay(session)?,
+            section,
+            camera: field.sight().camera(config, files, ghost, film::SIZE),
+            film: station.film(session)?,
+        };
+        Filming::start(scene, wake)
     }
 
     /// What keys ask for, one after the other, unless something is being chosen by keyboard.
@@ -223,6 +318,7 @@ impl Replay {
                     self.player.go_to(tick);
                 }
             }
+            Asked::Ghost | Asked::Film => {}
             Asked::EventAfter => {
                 if let Some(tick) = timeline::next(&self.marks, goal) {
                     self.player.go_to(tick);

@@ -41,6 +41,12 @@ pub fn row(
         .clicked()
 }
 
+/// What stands side by side, in the middle of a height \[points\].
+pub fn in_a_row(ui: &mut Ui, height: f32, show: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), height);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), show);
+}
+
 /// A cell of a width \[points\], cut off with an ellipsis where its text is longer.
 pub fn cell(ui: &mut Ui, width: f32, align: Align, text: impl Into<WidgetText>) {
     let layout = match align {

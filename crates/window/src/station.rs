@@ -1,14 +1,19 @@
 //! What the window needs of the station at which it is opened.
 
+use crate::copies::LevelCopies;
+use crate::films::Films;
 use crate::ledger::{Debrief, Ledger};
+use crate::references::References;
 use microsim_host::playback::{Moment, Playback, Standing};
 use microsim_host::run::{Operator, RunOutcome};
 use microsim_message::{LocalText, SetupFile};
-use microsim_settings::{Desktop, DominantHand, RendererConfig, WindowSettings};
+use microsim_settings::{Desktop, RendererConfig, WindowSettings};
 use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+
+pub use crate::choice::Choice;
 
 /// All that can be trained.
 #[derive(Clone, Debug, Default)]
@@ -28,7 +33,7 @@ pub struct ModuleEntry {
     pub title: LocalText,
     /// One sentence.
     pub summary: LocalText,
-    /// Its levels, from the first.
+    /// Its levels, from the first, each before its variants.
     pub levels: Vec<LevelEntry>,
 }
 
@@ -37,6 +42,8 @@ pub struct ModuleEntry {
 pub struct LevelEntry {
     /// Its number, from 1.
     pub number: u32,
+    /// The variant of it that this is; `None` for the level itself.
+    pub variant: Option<String>,
     /// Its title.
     pub title: LocalText,
     /// What it asks for.
@@ -63,21 +70,8 @@ pub struct TraineeEntry {
     pub name: String,
 }
 
-/// What is to be trained, and by whom.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Choice {
-    /// Module.
-    pub module: String,
-    /// Level, from 1.
-    pub level: u32,
-    /// Id of the trainee.
-    pub trainee: Option<String>,
-    /// The trainee's dominant hand: for the left one the level is mirrored.
-    pub hand: DominantHand,
-}
-
 /// A place to train at.
-pub trait Station: Ledger {
+pub trait Station: Ledger + LevelCopies + Films + References {
     /// What can be trained.
     fn catalogue(&self) -> Catalogue;
 

@@ -23,7 +23,8 @@ use std::path::PathBuf;
 
 mod appearance;
 mod contrast;
-mod player;
+mod editor;
+pub(crate) mod player;
 mod records;
 mod replay;
 mod upkeep;
@@ -59,6 +60,7 @@ fn catalogue() -> Catalogue {
     };
     let level = |number| LevelEntry {
         number,
+        variant: None,
         title: words(3),
         summary: words(22),
         tools: vec![
@@ -256,16 +258,70 @@ fn the_launcher_is_used_by_keyboard() {
     let choice = Choice {
         module: "module-1".into(),
         level: 2,
+        variant: None,
         trainee: None,
         hand: DominantHand::Right,
     };
     assert_eq!(wanted, Some(Wanted::Begin(choice.clone())));
+    texts(SIZES[0], vec![press(Key::E)], |ui| {
+        wanted = show_launcher(ui, &mut launcher, Language::English);
+    });
+    assert_eq!(wanted, Some(Wanted::Edit(choice.clone())));
 
     texts(SIZES[0], [Key::H, Key::Enter].map(press).into(), |ui| {
         wanted = show_launcher(ui, &mut launcher, Language::English);
     });
     let hand = DominantHand::Left;
     assert_eq!(wanted, Some(Wanted::Begin(Choice { hand, ..choice })));
+}
+
+/// Behind a level stand its variants, and then the next level.
+#[test]
+fn the_launcher_goes_through_variants() {
+    let press = |key| Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    let mut catalogue = catalogue();
+    let soft = LevelEntry {
+        variant: Some("soft".into()),
+        ..catalogue.modules[0].levels[0].clone()
+    };
+    catalogue.modules[0].levels.insert(1, soft);
+    let trainees = trainees();
+    let offer = Offer {
+        catalogue: &catalogue,
+        trainees: &trainees,
+        locked: &|_| None,
+    };
+    let mut launcher = Launcher::default();
+    let mut seen = Vec::new();
+    let keys = [
+        Key::ArrowRight,
+        Key::ArrowRight,
+        Key::ArrowLeft,
+        Key::ArrowDown,
+    ];
+    for key in keys {
+        texts(SIZES[0], vec![press(key)], |ui| {
+            launcher.show(ui, &offer, Language::English);
+        });
+        let choice = launcher.choice(&catalogue).expect("a choice");
+        seen.push((choice.module, choice.level, choice.variant));
+    }
+    let at = |module: &str, level, variant: Option<&str>| {
+        (module.to_owned(), level, variant.map(str::to_owned))
+    };
+    let expected = [
+        at("module-0", 1, Some("soft")),
+        at("module-0", 2, None),
+        at("module-0", 1, Some("soft")),
+        at("module-1", 1, None),
+    ];
+    assert_eq!(seen, expected);
 }
 
 /// What does not scroll, which is cut off by nothing above the lower edge, ends above it.
@@ -429,6 +485,7 @@ fn long_debrief() -> Debrief {
         ..ToolSeries::default()
     }];
     Debrief {
+        variant: None,
         report,
         session: PathBuf::from("/home/somebody/microsim/sessions/a-long-name-of-a-session.session"),
         page: PathBuf::from("page.html"),

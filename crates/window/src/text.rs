@@ -162,7 +162,7 @@ phrases! {
     DIFFERS_AT: "Weicht ab bei Tick", "Differs at tick";
     NOT_AS_RECORDED: "Was von dort an zu sehen ist, wurde so nicht aufgezeichnet", "What is shown from there on is not what was recorded";
     REPLAY_ENDED: "Die Wiedergabe ist abgebrochen:", "The replay broke off:";
-    REPLAY_KEYS: "Leertaste: abspielen, Pause · Pfeil links, rechts: ein Tick · auf, ab: Ereignis davor, danach · Pos1, Ende · 1 bis 5: Tempo · +, −, Rad: Vergrößerung · I, J, K, L, Ziehen: Bild verschieben · U, O: Schärfe · 0: wie in der Stufe · F2: Bildgüte · Esc: zurück", "Space: play, pause · arrows left, right: one tick · up, down: event before, after · Home, End · 1 to 5: speed · +, −, wheel: magnification · I, J, K, L, drag: move the view · U, O: focus · 0: as in the level · F2: picture quality · Esc: back";
+    REPLAY_KEYS: "Leertaste: abspielen, Pause · Pfeil links, rechts: ein Tick · auf, ab: Ereignis davor, danach · Pos1, Ende · 1 bis 5: Tempo · +, −, Rad: Vergrößerung · I, J, K, L, Ziehen: Bild verschieben · U, O: Schärfe · 0: wie in der Stufe · F2: Bildgüte · G: Vergleich · V: Video · Esc: zurück", "Space: play, pause · arrows left, right: one tick · up, down: event before, after · Home, End · 1 to 5: speed · +, −, wheel: magnification · I, J, K, L, drag: move the view · U, O: focus · 0: as in the level · F2: picture quality · G: reference · V: video · Esc: back";
 
     SETTINGS: "Einstellungen", "Settings";
     LANGUAGE_OF_TEXTS: "Sprache", "Language";
@@ -275,6 +275,53 @@ phrases! {
     ABOUT_LEFT: "noch etwa", "left about";
     ONE_AT_A_TIME: "Eine Datei nach der anderen: es liegt nur die erste bereit", "One file at a time: only the first one is ready";
     NOT_UTF8: "Der Pfad ist kein UTF-8-Text", "The path is not UTF-8 text";
+
+    EDIT_LEVEL: "Stufe ändern … (E)", "Change the level … (E)";
+    EDITOR: "Stufe ändern: eine Kopie mit anderen Werten", "Change a level: a copy with other values";
+    OF_TISSUE: "Gewebe", "Tissue";
+    OF_CONTACT: "Berührung", "Contact";
+    OF_LIMITS: "Grenzen und Punkte", "Limits and points";
+    OF_METRICS: "Wie Messgrößen berechnet werden", "How metrics are computed";
+    OF_MODULE: "Eigenes des Moduls (erklärt auf Englisch)", "The module's own";
+    NO_NUMBER: "Das ist keine Zahl.", "That is no number.";
+    DECIMAL_COMMA: "Das Dezimalzeichen ist ein Punkt.", "The decimal sign is a point.";
+    WITHOUT_UNIT: "Die Einheit fehlt:", "The unit is missing:";
+    WRONG_UNIT: "Eine andere Einheit als", "Another unit than";
+    NOT_WHOLE: "Nur ganze Zahlen.", "Whole numbers only.";
+    OUT_OF_RANGE: "Außerhalb des Bereichs", "Outside the range";
+    ANY_VALUE: "beliebig", "any";
+    WAS: "bisher", "before";
+    COPY_NAME: "Name der Kopie", "Name of the copy";
+    NAME_RULE: "Kleinbuchstaben, Ziffern, einzelne Bindestriche, vorn ein Buchstabe", "lower-case letters, digits, single hyphens, a letter first";
+    STORE_COPY: "Kopie speichern", "Store the copy";
+    COPY_STORED: "Gespeichert; sie steht in der Liste bei ihrer Stufe. Ihre Läufe werden aufgezeichnet, nennen die Änderung und zählen nicht als Ergebnisse der Stufe.", "Stored; it stands in the list with its level. Its runs are recorded, name the change, and do not count as results of the level.";
+    COPY_NOT_STORED: "Nicht gespeichert:", "Not stored:";
+    NOT_A_LEVEL: "So ist es keine Stufe:", "Like this it is no level:";
+    MENDED_FIRST: "Erst die markierten Werte berichtigen.", "First mend the values that are marked.";
+    DISCARD: "Es ist nicht gespeichert. Noch einmal Esc oder „Zur Auswahl“ verwirft die Änderungen.", "It is not stored. Esc or \"Back to the modules\" once more discards the changes.";
+    SHIPPED_STAYS: "Die mitgelieferte Stufe bleibt, wie sie ist. Orte, Größen und Netze ändert man in der Datei selbst.", "The shipped level stays as it is. Places, sizes and meshes are changed in the file itself.";
+
+    REFERENCE: "Vergleich (G)", "Reference (G)";
+    REFERENCE_IS: "Violett durchscheinend, zur selben Zeit:", "Translucent violet, at the same time:";
+    REFERENCE_IS_READ: "wird gelesen …", "is being read …";
+    REFERENCE_ENDED: "zu Ende nach", "over after";
+    SAME_TIME: "nur die Instrumente", "its instruments alone";
+    NO_REFERENCE: "Kein Vergleich", "No reference";
+    NO_REFERENCES: "Für diese Stufe gibt es kein Skript und keinen anderen Lauf.", "There is no script and no other run of this level.";
+    FILM: "Video", "Video";
+    FILM_KEY: "Video (V)", "Video (V)";
+    FROM_HERE: "Ab hier", "From here";
+    TO_HERE: "Bis hier", "Up to here";
+    ALL_OF_IT: "Alles", "All of it";
+    MAKE_FILM: "Aufnehmen", "Make it";
+    STOP_FILM: "Anhalten", "Stop";
+    FILM_EXPLAINED: "25 Bilder je Sekunde simulierter Zeit, wie sie hier zu sehen sind; beim Verlassen des Abspielens endet die Aufnahme.", "25 pictures in a second of simulated time, as they are seen here; it ends when the replay is left.";
+    FILM_ENDED: "Die Aufnahme brach ab; die Bilder bis dahin bleiben. Grund:", "It broke off; the pictures so far stay. Reason:";
+    FILM_STOPPED: "Angehalten.", "Stopped.";
+    VIDEO_IS_MADE: "Die Bilder werden zu einer Datei …", "One file is made of the pictures …";
+    PICTURES_WRITTEN: "Bilder", "pictures";
+    NO_FFMPEG: "Für eine MP4-Datei fehlt das Programm ffmpeg.", "For an MP4 file the program ffmpeg is missing.";
+    FFMPEG_FAILED: "ffmpeg machte keine MP4-Datei:", "ffmpeg made no MP4 file:";
 }
 
 #[cfg(test)]

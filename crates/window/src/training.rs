@@ -277,6 +277,7 @@ impl Training {
             config: &self.config,
             models: &mut self.models,
             snapshot: self.snapshot.as_ref(),
+            ghost: None,
             is_new,
         };
         let waiting = text::STARTING.of(language);

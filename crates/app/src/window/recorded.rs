@@ -110,6 +110,7 @@ pub fn debrief(session: PathBuf) -> Result<Debrief, Problem> {
     let recorded = read_around(&session)?;
     Ok(Debrief {
         report: report_of(&recorded, &session)?,
+        variant: recorded.header.plan.variant.clone(),
         page: session.with_extension("html"),
         session,
         complaints: Vec::new(),

@@ -61,6 +61,15 @@ impl Counted {
     }
 }
 
+/// A session of so many ticks of a length \[s\].
+pub(crate) fn counted(ticks: u64, tick_s: f64) -> Box<dyn Recording> {
+    Box::new(Counted {
+        range: 0..ticks,
+        tick_s,
+        ..Counted::new()
+    })
+}
+
 impl Recording for Counted {
     fn picture(&self) -> &RendererConfig {
         &self.picture

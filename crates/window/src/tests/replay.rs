@@ -1,15 +1,21 @@
 //! A replay around its picture, and how a debrief leads to it.
 
-use super::records::{SIZE, click_on};
-use super::{LANGUAGES, SIZES, check, check_height, long_debrief, texts};
+use super::records::{LONG, SIZE, click_on};
+use super::{LANGUAGES, SIZES, check, check_height, everywhere, long_debrief, texts};
 use crate::console::{Asked, Console, by_key};
 use crate::debrief::{self, Next};
+use crate::film_row::{self, FilmRow};
+use crate::films::{Filmed, Video};
+use crate::ghost::Track;
+use crate::ledger::Debrief;
 use crate::player::State;
+use crate::references::{Ghost, Motion, ReadTrack, Reference, References};
 use crate::replay::waiting;
 use crate::timeline;
-use eframe::egui::{Event, Key, Modifiers, Ui};
+use eframe::egui::{self, Event, Key, Modifiers, Ui};
 use microsim_host::playback::Standing;
 use microsim_host::replay::Difference;
+use microsim_message::LocalText;
 use microsim_render::Quality;
 use microsim_report::Report;
 use microsim_vocabulary::Language;
@@ -64,6 +70,8 @@ fn show(ui: &mut Ui, report: &Report, state: &State, language: Language) -> Vec<
         speed: 2,
         magnification: 12.5,
         quality: Quality::Medium,
+        ghost: true,
+        films: true,
         panels: true,
     };
     console.show(ui, language)
@@ -295,4 +303,148 @@ fn a_debrief_leads_to_the_replay() {
     };
     texts(SIZE, vec![key], &mut show);
     assert_eq!(next.take(), Some(Next::Replay(0)));
+}
+
+/// References that are there, or not; a track that is read at once, never, or cannot be read.
+struct Shelf {
+    known: usize,
+    track: fn() -> Result<Track, String>,
+}
+
+impl References for Shelf {
+    fn references(&self, _: &Debrief) -> (Vec<Reference>, Option<String>) {
+        let reference = |k: usize| Reference {
+            title: LocalText::new(
+                format!("{k} {}", "eigener bester Versuch ".repeat(5)),
+                format!("{k} {}", "best own attempt ".repeat(5)),
+            ),
+            motion: Motion::Session("a.session".into()),
+        };
+        let lacks = (self.known > 2).then(|| "store.sqlite: locked ".repeat(20));
+        ((0..self.known).map(reference).collect(), lacks)
+    }
+
+    fn track(&self, _: &Debrief, _: &Reference) -> Result<ReadTrack, String> {
+        let track = self.track;
+        Ok(Box::new(move |_| track()))
+    }
+}
+
+/// Takes what is read, once it is.
+fn wait_for(ghost: &mut Ghost) {
+    let since = std::time::Instant::now();
+    while !ghost.take() {
+        assert!(since.elapsed().as_secs() < 20, "never read");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn a_reference_is_read_shown_and_hidden() {
+    let debrief = long_debrief();
+    let shelf = Shelf {
+        known: 2,
+        track: || Ok(Track::default()),
+    };
+    let mut ghost = Ghost::default();
+    assert!(ghost.track().is_none() && !ghost.is_on);
+    ghost.toggle(&shelf, &debrief, || ());
+    wait_for(&mut ghost);
+    assert!(ghost.is_on && ghost.track().is_some());
+    ghost.toggle(&shelf, &debrief, || ());
+    assert!(!ghost.is_on && ghost.track().is_none());
+    // Again it is not read again.
+    ghost.toggle(&shelf, &debrief, || ());
+    assert!(ghost.track().is_some() && !ghost.take());
+}
+
+#[test]
+fn the_row_of_a_reference_has_room_for_its_texts() {
+    let debrief = long_debrief();
+    let fails: fn() -> Result<Track, String> = || Err("session a.session: torn ".repeat(20));
+    let reads: fn() -> Result<Track, String> = || Ok(Track::default());
+    for (known, track) in [(0, reads), (1, reads), (3, reads), (3, fails)] {
+        let shelf = Shelf { known, track };
+        let mut ghost = Ghost::default();
+        ghost.toggle(&shelf, &debrief, || ());
+        if known > 0 {
+            wait_for(&mut ghost);
+        }
+        everywhere("a reference", |ui, language| {
+            egui::Panel::top("reference").show(ui, |ui| {
+                let of = (&shelf, &debrief);
+                ghost.show(ui, of, 3.0, || (), language)
+            });
+            show(ui, &debrief.report, &state(), language);
+        });
+    }
+}
+
+fn film_row(ended: Option<Result<Filmed, String>>) -> FilmRow {
+    let mut row = FilmRow::default();
+    row.set_ended(ended);
+    row
+}
+
+#[test]
+fn the_row_of_a_film_has_room_for_its_texts() {
+    let folder: std::path::PathBuf = format!("/home/somebody/{LONG}/a.film-1").into();
+    let filmed = |video| {
+        Some(Ok(Filmed {
+            folder: folder.clone(),
+            pictures: 12_345,
+            video,
+        }))
+    };
+    let report = long_debrief().report;
+    for ended in [
+        None,
+        Some(Err("no space left on the device ".repeat(8))),
+        filmed(Video::Made(folder.join("film.mp4"))),
+        filmed(Video::NoProgram),
+        filmed(Video::Failed("no encoder ".repeat(20))),
+        filmed(Video::Stopped),
+    ] {
+        let mut row = film_row(ended);
+        let mut all = |ui: &mut Ui, language| {
+            egui::Panel::bottom("film").show(ui, |ui| {
+                row.show(ui, (Some(1234), &(0..30_000), 0.008), language)
+            });
+            show(ui, &report, &state(), language);
+        };
+        everywhere("a film", &mut all);
+        for size in SIZES {
+            let found = texts(size, Vec::new(), |ui| all(ui, Language::German));
+            check_height("a film", size, &found);
+        }
+    }
+}
+
+/// From the tick that is shown, to another one, and all of it again.
+#[test]
+fn the_section_of_a_film_is_chosen_by_mouse() {
+    let mut row = film_row(None);
+    let mut press = |text: &str, now: u64| {
+        let mut wanted = None;
+        click_on(text, |ui| {
+            let of = (Some(now), &(0..1000), 0.008);
+            wanted = row.show(ui, of, Language::English).or(wanted);
+        });
+        wanted
+    };
+    let whole = Some(film_row::Wanted::Begin([0, 999]));
+    assert_eq!(press("Make it", 5), whole);
+    assert_eq!(press("From here", 100), None);
+    assert_eq!(press("Up to here", 250), None);
+    let part = Some(film_row::Wanted::Begin([100, 250]));
+    assert_eq!(press("Make it", 5), part);
+    // What would end before it begins begins or ends where the whole does.
+    assert_eq!(press("From here", 300), None);
+    let rest = Some(film_row::Wanted::Begin([300, 999]));
+    assert_eq!(press("Make it", 5), rest);
+    assert_eq!(press("Up to here", 200), None);
+    let beginning = Some(film_row::Wanted::Begin([0, 200]));
+    assert_eq!(press("Make it", 5), beginning);
+    assert_eq!(press("All of it", 5), None);
+    assert_eq!(press("Make it", 5), whole);
 }
