@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 
 const MINUTES: f64 = 30.0;
 /// What a level takes with all around it \[s\], and for how long the hand moves.
-const SLOT: f64 = 48.0;
+const SLOT: f64 = 58.0;
 const PLAYED: f64 = 22.0;
 /// One in so many sessions is computed again.
 const REPLAYED: u64 = 5;

@@ -11,12 +11,6 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(45);
 /// Between two keys: a slow picture comes in that time.
 const KEY: &str = "350";
-/// Height of "Restart" and "Abort" in the card of a pause \[points\]; the card stands at the middle of the upper edge.
-const ABORT: f64 = 121.0;
-const RESTART: f64 = 83.0;
-/// The first buttons of the launcher and of the screens that it leads to, in the order in which the tabulator reaches them.
-const QUIT_LANGUAGE_SETTINGS_RECORDS: [usize; 2] = [3, 4];
-
 /// The player.
 pub struct Player<'a> {
     pub display: &'a Display,
@@ -93,25 +87,6 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    fn click(&self, [x, y]: [f64; 2]) -> Result<(), String> {
-        let [x, y] = [x, y].map(|v| v.round().to_string());
-        self.display
-            .ask(&[
-                "mousemove",
-                &x,
-                &y,
-                "sleep",
-                "0.7",
-                "mousedown",
-                "1",
-                "sleep",
-                "0.2",
-                "mouseup",
-                "1",
-            ])
-            .map(drop)
-    }
-
     /// All sessions that were begun.
     pub fn begun(&self) -> BTreeSet<PathBuf> {
         files(&self.sessions, "session")
@@ -146,9 +121,17 @@ impl<'a> Player<'a> {
         let session = self.until("a level begins", || {
             self.begun().difference(&before).next().cloned()
         })?;
-        self.wait(2.0);
-        self.keys(&["Return"])?;
+        self.start()?;
         Ok(session)
+    }
+
+    /// Leaves the introduction, which is there once the tissue is prepared; later the key has no meaning.
+    fn start(&self) -> Result<(), String> {
+        for _ in 0..4 {
+            self.wait(1.5);
+            self.keys(&["Return"])?;
+        }
+        Ok(())
     }
 
     /// Whether the report of a session is there.
@@ -208,21 +191,21 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    fn on_card(&self, height: f64) -> Result<(), String> {
+    /// Presses a key in a pause.
+    fn in_pause(&self, key: &str) -> Result<(), String> {
         self.keys(&["Escape"])?;
         self.wait(1.0);
-        self.click([self.size[0] / 2.0, height * self.scale])
+        self.keys(&[key])
     }
 
     /// Begins the level again; gives the new session.
     pub fn restart(&self) -> Result<PathBuf, String> {
         let before = self.begun();
-        self.on_card(RESTART)?;
+        self.in_pause("F9")?;
         let session = self.until("it restarts", || {
             self.begun().difference(&before).next().cloned()
         })?;
-        self.wait(2.0);
-        self.keys(&["Return"])?;
+        self.start()?;
         Ok(session)
     }
 
@@ -233,7 +216,7 @@ impl<'a> Player<'a> {
             if self.has_ended(session) {
                 break;
             }
-            self.on_card(ABORT)?;
+            self.in_pause("F10")?;
             let start = Instant::now();
             while start.elapsed() < Duration::from_secs(10) && !self.has_ended(session) {
                 std::thread::sleep(Duration::from_millis(200));
@@ -248,7 +231,7 @@ impl<'a> Player<'a> {
 
     /// From the debrief to the replay and back: it plays, jumps, and goes back.
     pub fn replay(&self) -> Result<(), String> {
-        self.changes("the replay", &["Escape", "r"])?;
+        self.changes("the replay", &["r"])?;
         self.wait(2.0);
         self.keys(&["space", "5"])?;
         self.wait(2.0);
@@ -258,30 +241,13 @@ impl<'a> Player<'a> {
         self.changes("back from the replay", &["Escape"])
     }
 
-    /// From the debrief to the modules: by the last button. On a loaded machine a key is lost between two pictures, and another button is reached: what was begun so is aborted.
-    pub fn to_modules(&mut self) -> Result<(), String> {
-        for _ in 0..4 {
-            let sessions = self.begun();
+    /// From the debrief to the modules, where the key has no meaning.
+    pub fn to_modules(&self) -> Result<(), String> {
+        for _ in 0..2 {
             self.keys(&["Escape"])?;
-            self.display.ask(&["mousemove", "500", "5"])?;
-            self.wait(0.5);
-            let before = self.display.shot();
-            for n in [4, 3] {
-                self.press(n)?;
-                self.wait(1.5);
-                if let Some(session) = self.begun().difference(&sessions).next() {
-                    self.keys(&["Return"])?;
-                    self.wait(2.0);
-                    self.end(session)?;
-                    break;
-                }
-                if differs(&before.pixels, &self.display.shot().pixels) {
-                    return Ok(());
-                }
-                self.keys(&["Escape"])?;
-            }
+            self.wait(1.5);
         }
-        Err("the debrief does not lead back to the modules".into())
+        Ok(())
     }
 
     /// Presses keys after which another screen is expected.
@@ -293,30 +259,20 @@ impl<'a> Player<'a> {
         })
     }
 
-    /// From the launcher to the results, their tabs and the store, and back.
+    /// From the launcher to the results and the store, and back.
     pub fn records(&self) -> Result<(), String> {
-        let records = QUIT_LANGUAGE_SETTINGS_RECORDS[1];
-        self.keys(&["Escape"])?;
-        self.changes(
-            "the results",
-            &[&vec!["Tab"; records][..], &["space"]].concat(),
-        )?;
+        self.changes("the results", &["F4"])?;
         self.wait(1.0);
-        self.changes("courses and data", &["Tab", "Tab", "Tab", "space"])?;
+        self.changes("courses and data", &["F6"])?;
         self.wait(1.0);
-        self.changes("back to the results", &["Tab", "space"])?;
+        self.changes("back to the results", &["Escape"])?;
         self.wait(1.0);
-        self.changes("back to the modules", &["Tab", "space"])
+        self.changes("back to the modules", &["Escape"])
     }
 
     /// From the launcher to the settings: a language, a quality, a stereo layout; and back.
     pub fn settings(&mut self) -> Result<(), String> {
-        let settings = QUIT_LANGUAGE_SETTINGS_RECORDS[0];
-        self.keys(&["Escape"])?;
-        self.changes(
-            "the settings",
-            &[&vec!["Tab"; settings][..], &["space"]].concat(),
-        )?;
+        self.changes("the settings", &["F5"])?;
         self.wait(1.0);
         // Back, store, two languages, four qualities, depth of field, stereo.
         let language = 3 + self.random.below(2) as usize;
