@@ -167,10 +167,7 @@ impl Desk {
                 ..opening.settings
             },
             left: None,
-            launcher: Launcher {
-                hand: opening.hand,
-                ..Launcher::default()
-            },
+            launcher: Launcher::of_hand(opening.hand),
             upkeep: Upkeep::default(),
             waker,
             screen: Screen::Launcher,

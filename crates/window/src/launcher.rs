@@ -22,6 +22,8 @@ pub struct Launcher {
     pub trainee: Option<String>,
     /// The trainee's dominant hand.
     pub hand: DominantHand,
+    /// Whether the lists are to show what was chosen by keyboard.
+    scrolls: bool,
 }
 
 /// What the operator asked for.
@@ -52,6 +54,14 @@ pub struct Offer<'a> {
 }
 
 impl Launcher {
+    /// Nothing is chosen but the hand.
+    pub fn of_hand(hand: DominantHand) -> Self {
+        Self {
+            hand,
+            ..Self::default()
+        }
+    }
+
     /// What is chosen, if there is anything to choose.
     pub fn choice(&self, catalogue: &Catalogue) -> Option<Choice> {
         let module = catalogue.modules.get(self.module)?;
@@ -98,7 +108,8 @@ impl Launcher {
                 ui.label(look::heading(text::CHOOSE_MODULE.of(language)));
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     for (index, module) in offer.catalogue.modules.iter().enumerate() {
-                        if module_card(ui, module, index == self.module, language) {
+                        let chosen = index == self.module;
+                        if module_card(ui, module, chosen, chosen && self.scrolls, language) {
                             self.choose_module(index);
                         }
                     }
@@ -127,7 +138,8 @@ impl Launcher {
                         };
                         let locked = (offer.locked)(&choice);
                         let chosen = self.is_chosen(level);
-                        if level_card(ui, level, chosen, locked.as_ref(), language) {
+                        let scrolls = chosen && self.scrolls;
+                        if level_card(ui, level, (chosen, scrolls), locked.as_ref(), language) {
                             self.choose_level(level);
                         }
                     }
@@ -209,6 +221,7 @@ impl Launcher {
             _ => None,
         };
         let keys: Vec<Key> = ui.input(|input| input.events.iter().filter_map(is_press).collect());
+        self.scrolls = !keys.is_empty();
         for key in keys {
             let levels = &catalogue.modules[self.module.min(last)].levels;
             let place = levels.iter().position(|level| self.is_chosen(level));
@@ -235,20 +248,29 @@ impl Launcher {
     }
 }
 
-fn module_card(ui: &mut Ui, module: &ModuleEntry, chosen: bool, language: Language) -> bool {
+fn module_card(
+    ui: &mut Ui,
+    module: &ModuleEntry,
+    chosen: bool,
+    scrolls: bool,
+    language: Language,
+) -> bool {
     let title = local(&module.title, language);
     let shown = look::card(chosen).show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.strong(title);
         ui.label(look::quiet(local(&module.summary, language)));
     });
+    if scrolls {
+        shown.response.scroll_to_me(None);
+    }
     is_pressed(ui, &shown.response, title)
 }
 
 fn level_card(
     ui: &mut Ui,
     level: &LevelEntry,
-    chosen: bool,
+    (chosen, scrolls): (bool, bool),
     locked: Option<&LocalText>,
     language: Language,
 ) -> bool {
@@ -277,6 +299,9 @@ fn level_card(
             )));
         }
     });
+    if scrolls {
+        shown.response.scroll_to_me(None);
+    }
     is_pressed(ui, &shown.response, &title)
 }
 

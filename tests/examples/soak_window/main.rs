@@ -112,15 +112,14 @@ fn happen(
             display.ask(&["windowmap", "--sync", &id])?;
         }
         Event::Scaled => {
-            for (per_inch, scale) in [(144, 1.5), (120, 1.25)] {
+            // Scales of 1.5 and 1.25.
+            for per_inch in [144, 120] {
                 display.set_resolution(per_inch)?;
-                player.scale = scale;
                 player.wait(1.5);
                 player.focus()?;
                 player.gesture()?;
             }
             display.set_resolution(96)?;
-            player.scale = 1.0;
             player.wait(1.0);
             display.ask(&["windowsize", &id, "1280", "720"])?;
         }

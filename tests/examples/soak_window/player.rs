@@ -17,8 +17,6 @@ pub struct Player<'a> {
     pub random: SplitMix64,
     /// Where sessions are recorded.
     pub sessions: PathBuf,
-    /// Pixels of a point.
-    pub scale: f64,
     size: [f64; 2],
 }
 
@@ -28,7 +26,6 @@ impl<'a> Player<'a> {
             display,
             random: SplitMix64(seed),
             sessions: data.join("sessions"),
-            scale: 1.0,
             size: [1280.0, 720.0],
         }
     }
@@ -274,6 +271,177 @@ impl<'a> Player<'a> {
     pub fn settings(&mut self) -> Result<(), String> {
         self.changes("the settings", &["F5"])?;
         self.wait(1.0);
+        // Back, store, two languages, four qualities, depth of field, five stereo layouts: each from the one that was pressed before.
+        self.press(3 + self.random.below(2) as usize)?;
+        for _ in 0..3 {
+            self.press(1 + self.random.below(3) as usize)?;
+        }
+        // What has the keyboard gives it back; then to the first module and from there.
+        self.keys(&["Escape"])?;
+        let mut keys = vec!["Up"; 10];
+        keys.extend(vec!["Down"; module]);
+        keys.extend(vec!["Right"; level as usize - 1]);
+        keys.push("Return");
+        self.display.ask(&["mousemove", "500", "5"])?;
+        let mut words = vec!["key", "--delay", "60"];
+        words.extend(keys);
+        self.display.ask(&words)?;
+        let session = self.until("a level begins", || {
+            self.begun().difference(&before).next().cloned()
+        })?;
+        self.start()?;
+        Ok(session)
+    }
+
+    /// Leaves the introduction, which is there once the tissue is prepared; later the key has no meaning.
+    fn start(&self) -> Result<(), String> {
+        for _ in 0..4 {
+            self.wait(1.5);
+            self.keys(&["Return"])?;
+        }
+        Ok(())
+    }
+
+    /// Whether the report of a session is there.
+    pub fn has_ended(&self, session: &Path) -> bool {
+        session.with_extension("html").exists()
+    }
+
+    /// A gesture within the field: it moves, closes, turns, raises, takes the other hand, or does something to the microscope.
+    pub fn gesture(&mut self) -> Result<(), String> {
+        let mut random = |most: f64| most * self.random.number();
+        let [x, y] = [0.5 + random(0.2), 0.5 + random(0.3)];
+        let place = [x * self.size[0], y * self.size[1]].map(|v| v.round().to_string());
+        let mut words: Vec<String> = vec!["mousemove".into(), place[0].clone(), place[1].clone()];
+        let button = match self.random.below(4) {
+            0 | 1 => None,
+            2 => Some("1"),
+            _ => Some("3"),
+        };
+        let mut add = |parts: &[&str]| words.extend(parts.iter().map(|part| (*part).to_owned()));
+        if let Some(button) = button {
+            add(&["mousedown", button]);
+        }
+        for _ in 0..12 {
+            let step = [0; 2].map(|_: i32| (20.0 * self.random.number()).round().to_string());
+            add(&[
+                "mousemove_relative",
+                "--",
+                &step[0],
+                &step[1],
+                "sleep",
+                "0.04",
+            ]);
+        }
+        if let Some(button) = button {
+            add(&["mouseup", button]);
+        }
+        let wheel = if self.random.below(2) == 0 { "4" } else { "5" };
+        let keys = [
+            "c", "q", "e", "w", "s", "plus", "minus", "i", "j", "k", "l", "u", "o", "0", "Tab",
+            "Left", "Right",
+        ];
+        match self.random.below(3) {
+            0 => add(&["click", "--repeat", "4", "--delay", "60", wheel]),
+            1 => add(&["key", keys[self.random.below(keys.len() as u64) as usize]]),
+            _ => {}
+        }
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        self.display.ask(&words).map(drop)
+    }
+
+    /// Plays for a while, or until the level has ended by itself.
+    pub fn play(&mut self, session: &Path, seconds: f64) -> Result<(), String> {
+        let start = Instant::now();
+        while start.elapsed().as_secs_f64() < seconds && !self.has_ended(session) {
+            self.gesture()?;
+        }
+        Ok(())
+    }
+
+    /// Presses a key in a pause.
+    fn in_pause(&self, key: &str) -> Result<(), String> {
+        self.keys(&["Escape"])?;
+        self.wait(1.0);
+        self.keys(&[key])
+    }
+
+    /// Begins the level again; gives the new session.
+    pub fn restart(&self) -> Result<PathBuf, String> {
+        let before = self.begun();
+        self.in_pause("F9")?;
+        let session = self.until("it restarts", || {
+            self.begun().difference(&before).next().cloned()
+        })?;
+        self.start()?;
+        Ok(session)
+    }
+
+    /// Ends a level that goes on; afterwards the debrief is shown.
+    pub fn end(&mut self, session: &Path) -> Result<(), String> {
+        self.focus()?;
+        for _ in 0..3 {
+            if self.has_ended(session) {
+                break;
+            }
+            self.in_pause("F10")?;
+            let start = Instant::now();
+            while start.elapsed() < Duration::from_secs(10) && !self.has_ended(session) {
+                std::thread::sleep(Duration::from_millis(200));
+            }
+        }
+        self.until("the report of an aborted level", || {
+            self.has_ended(session).then_some(())
+        })?;
+        self.wait(1.5);
+        Ok(())
+    }
+
+    /// From the debrief to the replay and back: it plays, jumps, and goes back.
+    pub fn replay(&self) -> Result<(), String> {
+        self.changes("the replay", &["r"])?;
+        self.wait(2.0);
+        self.keys(&["space", "5"])?;
+        self.wait(2.0);
+        self.keys(&["space", "Left", "Left", "Up", "Down", "End"])?;
+        self.wait(2.0);
+        self.keys(&["Home"])?;
+        self.changes("back from the replay", &["Escape"])
+    }
+
+    /// From the debrief to the modules, where the key has no meaning.
+    pub fn to_modules(&self) -> Result<(), String> {
+        for _ in 0..2 {
+            self.keys(&["Escape"])?;
+            self.wait(1.5);
+        }
+        Ok(())
+    }
+
+    /// Presses keys after which another screen is expected.
+    fn changes(&self, what: &str, keys: &[&str]) -> Result<(), String> {
+        let before = self.display.shot();
+        self.keys(keys)?;
+        self.until(what, || {
+            differs(&before.pixels, &self.display.shot().pixels).then_some(())
+        })
+    }
+
+    /// From the launcher to the results and the store, and back.
+    pub fn records(&self) -> Result<(), String> {
+        self.changes("the results", &["F4"])?;
+        self.wait(1.0);
+        self.changes("courses and data", &["F6"])?;
+        self.wait(1.0);
+        self.changes("back to the results", &["Escape"])?;
+        self.wait(1.0);
+        self.changes("back to the modules", &["Escape"])
+    }
+
+    /// From the launcher to the settings: a language, a quality, a stereo layout; and back.
+    pub fn settings(&mut self) -> Result<(), String> {
+        self.changes("the settings", &["F5"])?;
+        self.wait(1.0);
         // Back, store, two languages, four qualities, depth of field, stereo.
         let language = 3 + self.random.below(2) as usize;
         self.press(language)?;
@@ -284,8 +452,7 @@ impl<'a> Player<'a> {
         self.press(10)?;
         let layout = 1 + self.random.below(5) as usize;
         self.press(layout)?;
-        // What has the keyboard gives it back, then it is a key of the screen.
-        self.changes("back to the modules", &["Escape", "Escape", "Escape"])
+        self.changes("back to the modules", &["Escape"])
     }
 }
 
