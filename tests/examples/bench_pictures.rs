@@ -17,10 +17,8 @@ const QUALITIES: [&str; 3] = ["low", "medium", "high"];
 
 /// How long the hand moves.
 const MOVES: Duration = Duration::from_secs(30);
-
-/// Where the picture of the whole window is looked at, and the button that ends a run that is paused.
+/// Where the picture of the whole window is looked at.
 const WINDOW: [[usize; 2]; 2] = [[0, 0], [1280, 720]];
-const ABORT: [i32; 2] = [640, 121];
 
 /// The orange of a mark, as the introduction shows it.
 fn is_mark([r, g, b]: [u8; 3]) -> bool {
@@ -73,10 +71,7 @@ fn measure(quality: &str) -> Result<BTreeMap<String, String>, String> {
     }
     display.key("Escape");
     std::thread::sleep(Duration::from_secs(2));
-    display.point(ABORT);
-    std::thread::sleep(Duration::from_secs(1));
-    display.button(1, true);
-    display.button(1, false);
+    display.key("F10");
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_secs(60) {
         if let Some(line) = logged(&data.join("logs")) {

@@ -400,14 +400,21 @@ pub fn title_of(title: &LocalText, variant: Option<&str>) -> LocalText {
     }
 }
 
-/// The renderer for a session that was recorded without one: it looks at the level as it is installed now. Pictures are
+/// The renderer for a session that was recorded without one: it looks at the level as it is installed now, at the level itself where its variant is no longer there. Pictures are
 /// as wide and high as `size` \[px\], else as the host's configuration.
 pub fn renderer_for(
     installation: &Installation,
     plan: &RunPlan,
     size: Option<u32>,
 ) -> Result<PlannedPlugin, AssembleError> {
-    let level = installation.variant(&plan.module, plan.level, plan.variant.as_deref())?;
+    let variant = plan.variant.as_deref();
+    let level = match installation.variant(&plan.module, plan.level, variant) {
+        Err(why) if variant.is_some() => {
+            tracing::warn!("pictures look as the level itself does: {why}");
+            installation.variant(&plan.module, plan.level, None)?
+        }
+        level => level?,
+    };
     let models = tool_models(installation, &level.settings)?;
     let picture = &installation.host.picture;
     let size = size.map_or((picture.width, picture.height), |size| (size, size));

@@ -29,7 +29,7 @@ pub use level::{
     CategoryScore, LevelControl, LevelEvent, LevelPhase, LevelState, LimitRecord, MetricRecord,
     TrainingResult,
 };
-pub use microscope::{MAGNIFIED_FIELD, MicroscopeView};
+pub use microscope::{MAGNIFIED_FIELD, MicroscopeView, depth_of_field};
 pub use microsim_vocabulary::{Finish, LocalText, MotionLimit, ToolStatus};
 pub use object::{Colour, ObjectScene, ObjectSet, ObjectState, Shape};
 pub use pose::Pose;

@@ -12,10 +12,10 @@ fn whole_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
     return whole(index);
 }
 
-// Radius of the disc into which a depth out of focus is spread [pixels]: sharp to half a millimetre, half a pixel of 720 rows for each millimetre beyond.
+// Radius of the disc into which a depth out of focus is spread [pixels]: half a pixel of 720 rows for each millimetre beyond what is sharp.
 fn spread_of(depth: f32) -> f32 {
     let z = scene.lens.z - scene.lens.w / (1.0 - min(depth, 0.99999));
-    let off = max(abs(z) * scene.eye.y - 0.5, 0.0);
+    let off = max(abs(z) * scene.eye.y - scene.focus.x, 0.0);
     return min(0.0014 * scene.field.z * off, 0.012 * scene.field.z);
 }
 

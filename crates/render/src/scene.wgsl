@@ -16,6 +16,8 @@ struct Scene {
     background: vec4f,
     // x, y: middle of the picture [pixels]; z: radius of the field [pixels]; w: one texel of the shadow map (0..1).
     field: vec4f,
+    // x: depth to each side of the plane of focus that is sharp [mm].
+    focus: vec4f,
 }
 
 // 0 low, 1 medium, 2 high.

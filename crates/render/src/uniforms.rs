@@ -2,6 +2,7 @@
 
 use crate::light::{AMBIENT, COAXIAL, key_light_direction, key_strength, linear_from_srgb};
 use crate::picture::{Picture, View};
+use microsim_message::depth_of_field;
 
 /// Side of the shadow map \[texels\].
 pub(crate) const SHADOW_SIDE: u32 = 1024;
@@ -28,6 +29,7 @@ pub(crate) struct Scene {
     lamps: [f32; 4],
     background: [f32; 4],
     field: [f32; 4],
+    focus: [f32; 4],
 }
 
 impl Scene {
@@ -84,6 +86,7 @@ impl Scene {
                 field_pixels,
                 1.0 / f64::from(SHADOW_SIDE),
             ]),
+            focus: single([0.5e3 * depth_of_field(field_diameter), 0.0, 0.0, 0.0]),
         }
     }
 }

@@ -2,18 +2,11 @@
 //!
 //! Here: geometry of the view, as the trainee has set it last. Not here: pictures (crate `render`), metrics (the module).
 
-use crate::message::{MAGNIFIED_FIELD, MicroscopeView};
+use crate::message::{MAGNIFIED_FIELD, MicroscopeView, depth_of_field};
 use crate::{Fault, Tick};
 use microsim_settings::View;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-
-/// Wavelength of green light \[m\].
-const WAVELENGTH: f64 = 0.55e-6;
-/// Numerical aperture of one path of light: a beam of 15 mm through a main lens of 250 mm. A judgement: both beams lie 22 to 25 mm apart (DOMAIN, section 2), and have to be narrower.
-const APERTURE: f64 = 7.5 / 250.0;
-/// What an eye resolves at the distance of distinct vision, 0.00136 rad at 250 mm \[m\].
-const RESOLVED: f64 = 0.34e-3;
 
 /// The microscope as it is set now. Whatever a module saves of its state has to have it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,12 +45,6 @@ impl Microscope {
         MAGNIFIED_FIELD / self.field
     }
 
-    /// Depth that is sharp at once \[m\], by Berek's formula λ/(2 NA²) + 0.34 mm/(NA V) (Berek 1927): diffraction, and what the eye resolves at the magnification V.
-    pub fn depth_of_field(&self) -> f64 {
-        let diffraction = 0.5 * WAVELENGTH / (APERTURE * APERTURE);
-        diffraction + RESOLVED / (APERTURE * self.magnification())
-    }
-
     /// Whether a point of the field frame \[m\] lies in the round field, seen along the axis: the perspective of a lens at 250 mm moves what is 5 mm above the plane of focus by 2 % of
     /// its distance from the middle.
     pub fn shows(&self, point: [f64; 3]) -> bool {
@@ -65,10 +52,10 @@ impl Microscope {
         libm::hypot(right, up) <= 0.5 * self.field
     }
 
-    /// Whether a point of the field frame \[m\] is within the depth that is sharp.
+    /// Whether a point of the field frame \[m\] is within the depth that is sharp, which pictures of high quality show as such.
     pub fn is_sharp(&self, point: [f64; 3]) -> bool {
         let [.., towards_eye] = self.in_view(point);
-        towards_eye.abs() <= 0.5 * self.depth_of_field()
+        towards_eye.abs() <= 0.5 * depth_of_field(self.field)
     }
 
     /// A point by its distances from the focus to the right, up in the picture and towards the eye \[m\].
@@ -108,7 +95,7 @@ mod tests {
     fn what_is_sharp_gets_thinner_with_the_magnification() {
         let mut microscope = microscope(60_f64.to_radians());
         assert!((microscope.magnification() - 10.0).abs() < 1e-12);
-        assert!((microscope.depth_of_field() - 1.4389e-3).abs() < 1e-7);
+        assert!((depth_of_field(microscope.field) - 1.4389e-3).abs() < 1e-7);
         let (sin, cos) = (libm::sin(60_f64.to_radians()), 0.5);
         let along = |length: f64| [5e-3, -length * sin, 2e-3 + length * cos];
         for side in [-1.0, 1.0] {
@@ -116,6 +103,6 @@ mod tests {
             assert!(!microscope.is_sharp(along(side * 0.73e-3)));
         }
         microscope.field = 0.005;
-        assert!((microscope.depth_of_field() - 0.5889e-3).abs() < 1e-7);
+        assert!((depth_of_field(microscope.field) - 0.5889e-3).abs() < 1e-7);
     }
 }

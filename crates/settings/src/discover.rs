@@ -270,7 +270,12 @@ pub fn variants_in(folder: &Path, levels: usize) -> (Vec<Variant>, Vec<ConfigErr
     if !folder.exists() {
         return (found, errors);
     }
-    for path in entries(folder, &mut errors) {
+    // What editors and file managers leave beside a file is none of it.
+    let is_toml = |path: &PathBuf| {
+        let name = file_name(path);
+        name.ends_with(".toml") && !name.starts_with('.')
+    };
+    for path in entries(folder, &mut errors).into_iter().filter(is_toml) {
         match variant(&path).filter(|of| of.level as usize <= levels) {
             Some(variant) => found.push(variant),
             None => errors.push(whole_file(

@@ -162,7 +162,12 @@ impl TranslatorConfig {
             .filter(|filter| drives(&filter.device));
         let clutches = translator.clutch.iter().filter_map(|clutch| {
             let is_here = |name: &&String| tools.iter().any(|tool| tool.name == **name);
-            let tool: Vec<String> = clutch.tool.iter().filter(is_here).cloned().collect();
+            // What a clutch holds is moved by the same hand.
+            let held = clutch
+                .tool
+                .iter()
+                .map(|tool| slot_of(tool, mirrored).to_owned());
+            let tool: Vec<String> = held.filter(|tool| is_here(&tool)).collect();
             let device = clutch.device.clone();
             (!tool.is_empty()).then_some(ClutchMap { device, tool })
         });

@@ -192,7 +192,7 @@ mod tests {
             ("[pedal]\npause = \"Foot\"\n", "window.toml:2", "Foot"),
             ("[pedal]\nmagnify = \"Tab\"\n", "window.toml:2", "Tab"),
             (
-                "[pedal]\nmagnify = \"F7\"\nreduce = \"F8\"\npause = \"F7\"\n",
+                "[pedal]\nmagnify = \"F7\"\nreduce = \"F13\"\npause = \"F7\"\n",
                 "window.toml:4",
                 "which is that of `magnify` as well",
             ),

@@ -147,28 +147,18 @@ pub const MICROSCOPE_VIEW: &str = "microscope.view";
 terms! {
     /// Keys that a foot switch may send: those of a keyboard that have no other meaning under the microscope.
     pub enum PedalKey {
-        /// A.
-        A = "A",
         /// B.
         B = "B",
         /// D.
         D = "D",
         /// F.
         F = "F",
-        /// G.
-        G = "G",
-        /// H.
-        H = "H",
         /// M.
         M = "M",
-        /// N.
-        N = "N",
         /// P.
         P = "P",
         /// T.
         T = "T",
-        /// V.
-        V = "V",
         /// X.
         X = "X",
         /// Y.
@@ -185,20 +175,8 @@ terms! {
         Digit9 = "9",
         /// F1.
         F1 = "F1",
-        /// F4.
-        F4 = "F4",
-        /// F5.
-        F5 = "F5",
-        /// F6.
-        F6 = "F6",
         /// F7.
         F7 = "F7",
-        /// F8.
-        F8 = "F8",
-        /// F9.
-        F9 = "F9",
-        /// F10.
-        F10 = "F10",
         /// F12.
         F12 = "F12",
         /// F13.

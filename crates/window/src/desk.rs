@@ -11,6 +11,7 @@ use crate::look;
 use crate::pedal;
 use crate::records::{self, Records};
 use crate::replay::{self, Replay};
+use crate::shortcut;
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, TraineeEntry};
 use crate::steering::{self, Stage};
 use crate::text;
@@ -152,8 +153,8 @@ impl Desk {
         look::apply(&context.egui_ctx);
         let waker = Waker::new(&context.egui_ctx);
         let catalogue = station.catalogue();
-        let wake = context.egui_ctx.clone();
-        let controllers = Controllers::start(move || wake.request_repaint());
+        let wake = waker.clone();
+        let controllers = Controllers::start(move || wake.wake());
         let controllers = controllers.inspect_err(|why| {
             tracing::warn!("no gamepads and SpaceMice: no thread for them: {why}");
         });
@@ -212,10 +213,13 @@ impl Desk {
         self.screen = Screen::Launcher;
         self.wait_for_left();
         let begun = match self.entries(&choice) {
-            None => Err(format!(
-                "there is no level {} of {}",
-                choice.level, choice.module
-            )),
+            None => Err(match &choice.variant {
+                None => format!("there is no level {} of {}", choice.level, choice.module),
+                Some(name) => format!(
+                    "the window does not offer the variant \"{name}\" of level {} of {}",
+                    choice.level, choice.module
+                ),
+            }),
             Some((module, level)) => self.station.begin(&choice).and_then(|session| {
                 Training::begin(choice.clone(), module, level, session, self.waker.clone())
             }),
@@ -499,9 +503,8 @@ impl Desk {
                 let title = RichText::new(text::NOT_BEGUN.of(self.language));
                 ui.label(title.size(20.0).strong().color(look::BAD));
                 ui.label(why);
-                back = ui
-                    .add(look::main_button(text::BACK.of(self.language)))
-                    .clicked();
+                let text = text::BACK.of(self.language);
+                back = shortcut::main_button(ui, text, shortcut::BACK);
             });
         });
         if back {
@@ -575,5 +578,6 @@ impl device::Shown for Desk {
                 }
             }
         }
+        shortcut::note_use(ui.ctx());
     }
 }

@@ -4,11 +4,10 @@ use crate::copies::{Changes, LevelCopies};
 use crate::look;
 use crate::number_words::in_german;
 use crate::rows::{cell, in_a_row};
+use crate::shortcut;
 use crate::station::Choice;
 use crate::text::{self, Phrase, local};
-use eframe::egui::{
-    self, Align, Key, Label, Layout, RichText, ScrollArea, TextEdit, Ui, WidgetText,
-};
+use eframe::egui::{self, Align, Label, Layout, RichText, ScrollArea, TextEdit, Ui, WidgetText};
 use microsim_message::LocalText;
 use microsim_settings::{Form, LevelNumber, NumberGroup, WrongNumber};
 use microsim_vocabulary::Language;
@@ -39,9 +38,9 @@ impl Row {
         self.number.read(&self.text).err()
     }
 
-    /// Whether another value stands there than before.
+    /// Whether something else stands there than before. Its value may differ from that of the level in the last digits, which a text does not show.
     fn is_changed(&self) -> bool {
-        self.number.read(&self.text) != Ok(self.number.value)
+        self.text.trim() != self.number.text
     }
 }
 
@@ -150,8 +149,7 @@ impl Editor {
         language: Language,
     ) -> Option<Wanted> {
         let mut wanted = None;
-        let is_free = ui.memory(|memory| memory.focused().is_none());
-        let mut leaves = is_free && ui.input(|input| input.key_pressed(Key::Escape));
+        let mut leaves = false;
         egui::Panel::top("edited")
             .show_separator_line(false)
             .show(ui, |ui| {
@@ -159,8 +157,8 @@ impl Editor {
                 ui.horizontal(|ui| {
                     ui.heading(text::EDITOR.of(language));
                     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                        leaves |= ui.button(text::BACK.of(language)).clicked();
-                        if ui.button(text::LANGUAGE.of(language)).clicked() {
+                        leaves = shortcut::button(ui, text::BACK.of(language), shortcut::BACK);
+                        if shortcut::button(ui, text::LANGUAGE.of(language), shortcut::LANGUAGE) {
                             wanted = Some(Wanted::Language);
                         }
                     });

@@ -211,7 +211,7 @@ impl Launcher {
     /// Arrows choose, up and down the module, left and right the level, H the trainee's hand, Enter begins, and E changes a copy: in the order in which they were pressed, however slow the pictures are.
     fn choose_by_keys(&mut self, ui: &Ui, catalogue: &Catalogue) -> Option<Wanted> {
         let last = catalogue.modules.len().checked_sub(1)?;
-        if ui.memory(|memory| memory.focused().is_some()) {
+        if !shortcut::is_free(ui) {
             return None;
         }
         let is_press = |event: &Event| match event {

@@ -155,6 +155,13 @@ impl Ghost {
         read.and_then(|read| read.as_ref().ok())
     }
 
+    /// The same of a script alone.
+    pub fn of_script(&self) -> Option<&Arc<Track>> {
+        let chosen = self.known.iter().flatten().nth(self.chosen);
+        let is_script = chosen.is_some_and(|of| matches!(of.motion, Motion::Script(_)));
+        self.track().filter(|_| is_script)
+    }
+
     /// What the ghost is, and the choice of another one; whether another one was chosen. `time` is that of the replay \[s\].
     pub fn show(
         &mut self,

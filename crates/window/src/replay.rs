@@ -12,6 +12,7 @@ use crate::player::{Player, State};
 use crate::plot::Curve;
 use crate::references::Ghost;
 use crate::scope::Scope;
+use crate::shortcut;
 use crate::station::{Recording, Station};
 use crate::text::{self, Phrase};
 use crate::timeline::{self, Mark};
@@ -44,6 +45,8 @@ pub struct Replay {
     files: Vec<SetupFile>,
     ghost: Ghost,
     film: FilmRow,
+    /// Of the window.
+    waker: Waker,
 }
 
 /// What the viewer asked for that leads elsewhere.
@@ -64,10 +67,10 @@ pub fn waiting(state: &State) -> Option<Phrase> {
     }
 }
 
-/// What has the next picture shown.
-fn wake_of(ui: &Ui) -> impl Fn() + Send + 'static {
-    let context = ui.ctx().clone();
-    move || context.request_repaint()
+/// Has the next picture shown.
+fn wake_of(waker: &Waker) -> impl Fn() + Send + 'static {
+    let waker = waker.clone();
+    move || waker.wake()
 }
 
 impl Replay {
@@ -84,7 +87,7 @@ impl Replay {
         let config = recording.picture().clone();
         let files = recording.files().to_vec();
         let named: Vec<(&str, &[u8])> = files.iter().map(|f| (&f.name[..], &f.bytes[..])).collect();
-        let wake = move || waker.wake();
+        let wake = wake_of(&waker);
         let models = Models::new(&named);
         let begun = models.and_then(|models| Ok((models, Player::start(recording, tick, wake)?)));
         let (models, player) = match begun {
@@ -104,6 +107,7 @@ impl Replay {
             files,
             ghost: Ghost::default(),
             film: FilmRow::default(),
+            waker,
         })
     }
 
@@ -172,7 +176,7 @@ impl Replay {
         for asked in asked {
             match asked {
                 Asked::Ghost => {
-                    let wake = wake_of(ui);
+                    let wake = wake_of(&self.waker);
                     self.ghost.toggle(station, &self.debrief, wake);
                     self.canvas.redraw();
                 }
@@ -200,7 +204,7 @@ impl Replay {
             let is_other = egui::Panel::top("reference")
                 .show_separator_line(false)
                 .show(ui, |ui| {
-                    let (of, wake) = ((station, &*self.debrief), wake_of(ui));
+                    let (of, wake) = ((station, &*self.debrief), wake_of(&self.waker));
                     self.ghost.show(ui, of, time, wake, language)
                 })
                 .inner;
@@ -221,14 +225,14 @@ impl Replay {
                 None => {}
                 Some(film_row::Wanted::Stop) => self.film.stop(),
                 Some(film_row::Wanted::Begin(section)) => {
-                    let started = self.begin_film(section, field, station, wake_of(ui));
+                    let started = self.begin_film(section, field, station, wake_of(&self.waker));
                     self.film.begin(started);
                 }
             }
         }
     }
 
-    /// A film of a section, as it is seen now.
+    /// A film of a section, as it is seen now, but without the instruments of another session: a film goes with its own, also when that is erased.
     fn begin_film(
         &self,
         section: [u64; 2],
@@ -237,7 +241,7 @@ impl Replay {
         wake: impl Fn() + Send + 'static,
     ) -> Result<Filming, String> {
         let session = &self.debrief.session;
-        let ghost = self.ghost.track().cloned();
+        let ghost = self.ghost.of_script().cloned();
         let (config, files) = (self.config.clone(), self.files.clone());
         let scene = film::Scene {
             recording: station.replay(session)?,
@@ -250,7 +254,7 @@ impl Replay {
 
     /// What keys ask for, one after the other, unless something is being chosen by keyboard.
     fn use_keys(&mut self, ui: &Ui, field: &mut Field) -> Vec<Asked> {
-        if ui.memory(|memory| memory.focused().is_some()) {
+        if !shortcut::is_free(ui) {
             return Vec::new();
         }
         let pressed = |event: &Event| match event {

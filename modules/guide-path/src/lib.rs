@@ -417,9 +417,9 @@ impl Exercise for GuidePath {
         run.measure("losses", f64::from(state.losses));
         run.measure("wide-time", state.wide);
         let (out_of_view, out_of_focus, magnification) = state.seen;
-        run.measure("out-of-view", out_of_view);
-        run.measure("out-of-focus", out_of_focus);
         if let (n @ 1.., distances, angles) = state.guided {
+            run.measure("out-of-view", out_of_view);
+            run.measure("out-of-focus", out_of_focus);
             run.measure("magnification", magnification / n as f64);
             run.measure("off-centre", distances / n as f64);
             run.measure("askew", angles / n as f64);

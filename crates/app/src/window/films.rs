@@ -65,11 +65,12 @@ impl Folder {
         let file = self.path.join(VIDEO);
         let started = Command::new(&self.program)
             .args(["-nostdin", "-loglevel", "error", "-n", "-framerate", RATE])
-            .args(["-start_number", "0", "-i"])
-            .arg(self.path.join("frame-%06d.png"))
+            // In its folder, whose name may hold signs that mean something to it.
+            .current_dir(&self.path)
+            .args(["-start_number", "0", "-i", "frame-%06d.png"])
             // What every player shows, and what can be looked at before all of it is there.
             .args(["-pix_fmt", "yuv420p", "-movflags", "+faststart"])
-            .arg(&file)
+            .arg(VIDEO)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
