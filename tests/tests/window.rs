@@ -18,16 +18,14 @@ const SCALE: f64 = 720.0 / 25.0;
 const FORESHORTENING: f64 = 0.643;
 
 /// Where the button of trainees and results lies in the launcher, the first name on their screen, and the buttons there that compare and export.
-const RECORDS: [i32; 2] = [955, 24];
+const RECORDS: [i32; 2] = [929, 24];
 const FIRST_NAME: [i32; 2] = [150, 145];
 const COMPARE: [i32; 2] = [380, 120];
 const EXPORT: [i32; 2] = [500, 645];
-/// The button of settings in the launcher; on their screen the language and the button that stores them.
-const SETTINGS: [i32; 2] = [1083, 24];
+/// On the screen of settings the language and the button that stores them.
 const GERMAN: [i32; 2] = [350, 72];
 const STORE: [i32; 2] = [80, 665];
-/// On the screen of trainees and results the button of courses and data; on that screen the first course, the line for a path and the button that reads the file.
-const DATA: [i32; 2] = [935, 24];
+/// On the screen of courses and data the first course, the line for a path and the button that reads the file.
 const FIRST_COURSE: [i32; 2] = [150, 80];
 const PATH: [i32; 2] = [400, 493];
 const READ: [i32; 2] = [1070, 493];
@@ -382,10 +380,11 @@ fn settings_are_stored_for_the_station() {
         display.button(1, true);
         display.button(1, false);
     };
-    click(SETTINGS);
-    // Below the eight rows there is nothing, where the launcher has modules.
+    display.focus("MicroSim");
+    display.key("F5");
+    // Below the rows there is nothing, where the launcher has modules.
     display.wait_for("the settings", most, |shot| {
-        let below = shot.find([[0, 400], [520, 620]], is_text);
+        let below = shot.find([[0, 480], [520, 620]], is_text);
         some(shot.find([[0, 60], [300, 340]], is_text), 200).filter(|_| below.is_none())
     });
     keep(&display, "window-settings");
@@ -420,9 +419,9 @@ fn read_files(display: &Display, station: &Station, click: impl Fn([i32; 2])) {
     let table = folder.join("experts.csv");
     let rows = "module,level,metric,source,n,mean,sd\ntouch-spheres,one,time,experts,12,30,4.5\n";
     std::fs::write(&table, rows).expect("a table");
-    click(DATA);
-    std::thread::sleep(Duration::from_secs(1));
     display.focus("MicroSim");
+    display.key("F6");
+    std::thread::sleep(Duration::from_secs(1));
     let read = |file: &Path| {
         click(PATH);
         display.key("ctrl+a");

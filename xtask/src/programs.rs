@@ -189,6 +189,11 @@ pub const SOAKS: &[Program] = &[
         example: "soak_window",
         shows: "30 minutes at the window (-- MINUTES SEED): memory, late ticks, panics, sessions",
     },
+    Program {
+        name: "screens",
+        example: "soak_screens",
+        shows: "pictures of every screen of the window, in both languages and two sizes",
+    },
 ];
 
 /// The program of a name; all of them without one. The error of an unknown name lists the known ones.
@@ -275,12 +280,11 @@ mod tests {
             |name| select(SOAKS, name).map(|s| s.iter().map(|p| p.example).collect::<Vec<_>>());
         assert_eq!(names(Some("kills")), Ok(vec!["soak_kills"]));
         assert_eq!(names(None).map(|all| all.len()), Ok(SOAKS.len()));
+        let all: Vec<&str> = SOAKS.iter().map(|program| program.name).collect();
+        let names_of_all = all.join(", ");
         assert_eq!(
             names(Some("kill")),
-            Err(
-                "there is no \"kill\"; there are: kills, guests, digests, convergence, sessions, igtl, trackers, cuts, tremor, followers, stability, scenes, trainees, effects, matrix, training, store, hands, window"
-                    .into()
-            )
+            Err(format!("there is no \"kill\"; there are: {names_of_all}"))
         );
     }
 }
