@@ -38,7 +38,7 @@ fn folder() -> PathBuf {
 }
 
 /// Runs a command; what it printed on standard error if it failed.
-pub(crate) fn done(command: &mut Command) -> Result<(), String> {
+pub fn done(command: &mut Command) -> Result<(), String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.stdin(Stdio::null()).output();
     let output = output.map_err(|e| format!("{name}: {e}"))?;

@@ -315,7 +315,7 @@ phrases! {
     ALL_OF_IT: "Alles", "All of it";
     MAKE_FILM: "Aufnehmen", "Make it";
     STOP_FILM: "Anhalten", "Stop";
-    FILM_EXPLAINED: "25 Bilder je Sekunde simulierter Zeit, wie sie hier zu sehen sind; beim Verlassen des Abspielens endet die Aufnahme.", "25 pictures in a second of simulated time, as they are seen here; it ends when the replay is left.";
+    FILM_EXPLAINED: "25 Bilder je Sekunde simulierter Zeit, wie sie hier zu sehen sind, ohne andere Sitzungen; beim Verlassen des Abspielens endet die Aufnahme.", "25 pictures in a second of simulated time, as they are seen here without other sessions; it ends when the replay is left.";
     FILM_ENDED: "Die Aufnahme brach ab; die Bilder bis dahin bleiben. Grund:", "It broke off; the pictures so far stay. Reason:";
     FILM_STOPPED: "Angehalten.", "Stopped.";
     VIDEO_IS_MADE: "Die Bilder werden zu einer Datei …", "One file is made of the pictures …";

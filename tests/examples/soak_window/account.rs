@@ -129,14 +129,19 @@ pub fn log(folder: &Path) -> Result<String, String> {
         .collect()
 }
 
-/// Lines about a panic, or an error.
+/// Lines about a panic, or an error, each with how often it is there; times of lines of the log are left out.
 pub fn panics(text: &str) -> Vec<String> {
     let is = |line: &&str| {
         line.contains("panicked at") || line.contains(" ERROR ") || line.starts_with("ERROR")
     };
-    text.lines()
-        .filter(is)
-        .map(|line| format!("it reports: {line}"))
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for line in text.lines().filter(is) {
+        let begin = line.find("ERROR").unwrap_or_default();
+        *counts.entry(&line[begin..]).or_default() += 1;
+    }
+    let counts = counts.into_iter();
+    counts
+        .map(|(line, count)| format!("it reports {count} times: {line}"))
         .collect()
 }
 
