@@ -159,7 +159,7 @@ fn the_settings_of_the_window() {
             "stereo_base = ",
             "stereo_bas = ",
             ":1: key `stereo_bas`: found an unknown key, expected `language`, `quality`, `stereo`, `stereo_base`, `working_distance`, \
-             `depth_of_field`, `full_screen` or `panels` (did you mean `stereo_base`?)",
+             `depth_of_field`, `full_screen`, `panels`, `audio`, `volume`, `controller_speed` or `pedal` (did you mean `stereo_base`?)",
         ),
         (
             "working_distance = \"250 mm\"",
