@@ -52,7 +52,7 @@ fn station() -> Station {
     station
 }
 
-/// A picture of all of the display, small enough to be kept.
+/// A picture of all of the display, small enough to be stored.
 fn keep(display: &Display, file: &Path) -> Result<(), String> {
     display.keep(file);
     let mut smaller = Command::new("convert");

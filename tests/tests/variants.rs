@@ -71,9 +71,12 @@ fn a_copy_of_a_level_is_played_as_a_variant() {
     let mut changed = shipped.clone();
     changed.replace_range(max..end, "max = \"0.5 s\"");
     std::fs::write(folder.join("level1.short.toml"), changed).expect("written");
-    std::fs::write(folder.join("notes.txt"), "mine").expect("written");
+    std::fs::write(folder.join("notes.toml"), "mine").expect("written");
+    // What an editor leaves beside it is none of it.
+    std::fs::write(folder.join("level1.short.toml~"), "old").expect("written");
     let listed = station.microsim(&["list", "--json"]).expect(0);
-    assert!(listed.err.contains("notes.txt"), "{}", listed.err);
+    assert!(listed.err.contains("notes.toml"), "{}", listed.err);
+    assert!(!listed.err.contains("toml~"), "{}", listed.err);
     let listed = listed.json();
     let modules = listed["modules"].as_array().expect("modules");
     let module = modules.iter().find(|of| of["name"] == "push-strip");

@@ -424,6 +424,7 @@ fn read_files(display: &Display, station: &Station, click: impl Fn([i32; 2])) {
     std::thread::sleep(Duration::from_secs(1));
     let read = |file: &Path| {
         click(PATH);
+        std::thread::sleep(Duration::from_secs(1));
         display.key("ctrl+a");
         display.text(file.to_str().expect("text"));
         std::thread::sleep(Duration::from_millis(500));

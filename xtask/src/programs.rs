@@ -187,12 +187,12 @@ pub const SOAKS: &[Program] = &[
     Program {
         name: "window",
         example: "soak_window",
-        shows: "30 minutes at the window (-- MINUTES SEED): memory, late ticks, panics, sessions",
+        shows: "30 minutes at the window (-- MINUTES SEED): memory, late ticks, panics",
     },
     Program {
         name: "screens",
         example: "soak_screens",
-        shows: "pictures of every screen of the window, in both languages and two sizes",
+        shows: "every screen of the window, in both languages and two sizes",
     },
 ];
 

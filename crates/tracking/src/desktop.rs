@@ -252,8 +252,11 @@ mod tests {
             roll: -0.7,
         };
         let expected = [x, -y, -z, w];
-        for (found, expected) in seen.orientation().iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-15);
+        // Both signs of a quaternion are the same rotation.
+        let found = seen.orientation();
+        let product: f64 = found.iter().zip(expected).map(|(a, b)| a * b).sum();
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - product.signum() * expected).abs() < 1e-15);
         }
     }
 
