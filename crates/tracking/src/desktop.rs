@@ -237,26 +237,23 @@ mod tests {
         assert!((turn * Vector3::x()).z.abs() < 1e-15);
     }
 
-    /// In the mirror x → −x a handle has the opposite azimuth and roll: for M = diag(−1, 1, 1) its rotation is M R M.
+    /// In the mirror x → −x a hand has the opposite azimuth and roll: its handle, and the line along which its jaws open, lie where the mirror images of these do. (The left
+    /// jaw is then the right one: instruments are symmetric.)
     #[test]
     fn the_mirror_image_of_a_hand_has_the_opposite_azimuth_and_roll() {
-        let angles = HandAngles {
-            azimuth: 0.4,
-            elevation: 0.3,
-            roll: 0.7,
+        let axes = |side: f64| {
+            let angles = HandAngles {
+                azimuth: side * 0.4,
+                elevation: 0.3,
+                roll: side * 0.7,
+            };
+            let [x, y, z, w] = angles.orientation();
+            let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+            [turn * Vector3::z(), turn * Vector3::x()]
         };
-        let [x, y, z, w] = angles.orientation();
-        let seen = HandAngles {
-            azimuth: -0.4,
-            elevation: 0.3,
-            roll: -0.7,
-        };
-        let expected = [x, -y, -z, w];
-        // Both signs of a quaternion are the same rotation.
-        let found = seen.orientation();
-        let product: f64 = found.iter().zip(expected).map(|(a, b)| a * b).sum();
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - product.signum() * expected).abs() < 1e-15);
+        for (seen, held) in axes(-1.0).iter().zip(axes(1.0)) {
+            let mirrored = Vector3::new(-held.x, held.y, held.z);
+            assert!((seen - mirrored).norm() < 1e-15, "{seen} {mirrored}");
         }
     }
 
