@@ -5,12 +5,12 @@
 
 use microsim_tests::desktop::Display;
 use microsim_tests::peers::Peer;
-use microsim_tests::{command, repository, scratch};
+use microsim_tests::{repository, scratch};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::process::{ExitCode, Stdio};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 const QUALITIES: [&str; 3] = ["low", "medium", "high"];
@@ -34,21 +34,9 @@ fn measure(quality: &str) -> Result<BTreeMap<String, String>, String> {
     fs::create_dir_all(data.join("config")).map_err(failed)?;
     let settings = format!("quality = \"{quality}\"\npanels = false\n");
     fs::write(data.join("config/window.toml"), settings).map_err(failed)?;
-    let mut window = command([
-        "window",
-        "coordination",
-        "--level",
-        "4",
-        "--lang",
-        "en",
-        "--size",
-        "1280x720",
-    ]);
-    window
-        .env("DISPLAY", display.name())
-        .env("MICROSIM_DATA", &data)
-        .env("XDG_RUNTIME_DIR", &data);
-    window.stdout(Stdio::null()).stderr(Stdio::null());
+    let level = ["window", "coordination", "--level", "4"];
+    let shown = ["--lang", "en", "--size", "1280x720"];
+    let mut window = display.program(&data, level.into_iter().chain(shown));
     let _window = Peer(
         window
             .spawn()

@@ -7,12 +7,12 @@
 use microsim_tests::desktop::Display;
 use microsim_tests::peers::{Peer, done};
 use microsim_tests::stations::Station;
-use microsim_tests::{command, repository, tree};
+use microsim_tests::{repository, tree};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
 const SIZES: [[u32; 2]; 2] = [[1280, 720], [1920, 1080]];
@@ -66,11 +66,8 @@ fn keep(display: &Display, file: &Path) -> Result<(), String> {
 fn show(station: &Station, language: &str, [width, height]: [u32; 2]) -> Result<(), String> {
     let display = Display::open_of([width, height])?;
     let size = format!("{width}x{height}");
-    let mut window = command(["window", "--lang", language, "--size", &size]);
-    window.env("DISPLAY", display.name());
-    window.env("MICROSIM_DATA", station.data());
-    window.env("XDG_RUNTIME_DIR", station.data());
-    let window = window.stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    let arguments = ["window", "--lang", language, "--size", &size];
+    let window = display.program(&station.data(), arguments).spawn();
     let mut window = Peer(window.map_err(|error| format!("the program: {error}"))?);
     std::thread::sleep(2 * DRAWN);
     display.focus("MicroSim");

@@ -1,5 +1,6 @@
 //! A display without a screen, and a program at it that knows keys, mouse and what it sees: nothing of the window's inside.
 
+use crate::command;
 use crate::peers::{Peer, done};
 use std::io::{BufRead, BufReader, Cursor, Write as _};
 use std::path::Path;
@@ -134,6 +135,21 @@ impl Display {
     /// Its name, for `DISPLAY`.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// The program with a window here, with this data folder; what it prints is thrown away.
+    pub fn program<'a>(
+        &self,
+        data: &Path,
+        arguments: impl IntoIterator<Item = &'a str>,
+    ) -> Command {
+        let mut program = command(arguments);
+        program
+            .env("DISPLAY", &self.name)
+            .env("MICROSIM_DATA", data);
+        program.env("XDG_RUNTIME_DIR", data);
+        program.stdout(Stdio::null()).stderr(Stdio::null());
+        program
     }
 
     /// Has windows managed from now on, as a desktop does: they are minimised, and fill the screen. `folder` takes the settings of the manager.

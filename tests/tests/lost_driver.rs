@@ -3,10 +3,9 @@
 use microsim_tests::desktop::{Display, Shot};
 use microsim_tests::driver::Driver;
 use microsim_tests::peers::{Peer, or_skipped};
-use microsim_tests::{finish, microsim, program, report_beside};
+use microsim_tests::{finish, microsim, report_beside};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 const WINDOW: [[usize; 2]; 2] = [[0, 0], [1280, 720]];
@@ -60,22 +59,18 @@ fn train(name: &str, act: impl FnOnce(&Display, &Driver, &mut Peer, &Path)) {
     let data = folder.path().join("data");
     fs::create_dir_all(data.join("config")).expect("a folder");
     fs::write(data.join("config/window.toml"), "quality = \"low\"\n").expect("a file");
-    let mut window = Command::new(program());
-    window.args([
+    let arguments = [
         "window",
         "coordination",
         "--level",
         "2",
         "--size",
         "1280x720",
-    ]);
-    window
-        .env("DISPLAY", display.name())
-        .env("MICROSIM_DATA", &data)
-        .env("XDG_RUNTIME_DIR", &data);
+    ];
+    let mut window = display.program(&data, arguments);
     driver.put_below(&mut window);
     let errors = File::create(data.join("errors")).expect("a file");
-    window.stdout(Stdio::null()).stderr(errors);
+    window.stderr(errors);
     let mut window = Peer(window.spawn().expect("the program starts"));
     display.wait_for(&format!("the mark {name}"), MOST, |shot: &Shot| {
         shot.find(WINDOW, is_mark).filter(|blob| blob.count >= 60)

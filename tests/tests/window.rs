@@ -4,11 +4,10 @@ use microsim_tests::alter::change_header;
 use microsim_tests::desktop::{Blob, Display, Shot};
 use microsim_tests::peers::{Peer, or_skipped};
 use microsim_tests::stations::Station;
-use microsim_tests::{command, finish, microsim, program};
+use microsim_tests::{command, finish, microsim};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// The part of the display that shows the field: panels of 270 pixels stand at both sides.
@@ -49,13 +48,7 @@ fn is_passed([r, g, b]: [u8; 3]) -> bool {
 }
 
 fn window(display: &Display, data: &Path, arguments: &[&str]) -> Peer {
-    let mut program = Command::new(program());
-    program
-        .args(arguments)
-        .env("DISPLAY", display.name())
-        .env("MICROSIM_DATA", data);
-    program.env("XDG_RUNTIME_DIR", data);
-    program.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut program = display.program(data, arguments.iter().copied());
     Peer(program.spawn().expect("the program starts"))
 }
 

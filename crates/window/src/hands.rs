@@ -239,6 +239,7 @@ pub fn mirrored(wish: DesktopInput) -> DesktopInput {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shortcut;
     use eframe::egui::{Modifiers, pos2, vec2};
 
     const PICTURE: Rect = Rect {
@@ -271,16 +272,6 @@ mod tests {
             pos: pos2(100.0, 100.0),
             button,
             pressed,
-            modifiers: Modifiers::NONE,
-        }
-    }
-
-    fn key(key: Key) -> Event {
-        Event::Key {
-            key,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
             modifiers: Modifiers::NONE,
         }
     }
@@ -336,11 +327,14 @@ mod tests {
         assert_eq!(
             opening(handle(
                 &mut hands,
-                &[press.clone(), key(Key::C), release.clone()]
+                &[press.clone(), shortcut::press(Key::C), release.clone()]
             )),
             [Some(0.0)]
         );
-        assert_eq!(opening(handle(&mut hands, &[key(Key::C)])), [Some(0.8)]);
+        assert_eq!(
+            opening(handle(&mut hands, &[shortcut::press(Key::C)])),
+            [Some(0.8)]
+        );
         // The other hand: what the button closed opens, and the wheel lifts the other one.
         let wheel = Event::MouseWheel {
             unit: MouseWheelUnit::Line,
@@ -349,7 +343,7 @@ mod tests {
             source: egui::MouseWheelSource::Wheel,
             modifiers: Modifiers::NONE,
         };
-        let wishes = handle(&mut hands, &[press, key(Key::Tab), wheel]);
+        let wishes = handle(&mut hands, &[press, shortcut::press(Key::Tab), wheel]);
         let of: Vec<(&str, Option<f64>)> =
             wishes.iter().map(|w| (&w.tool[..], w.opening)).collect();
         assert_eq!(

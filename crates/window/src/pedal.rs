@@ -66,18 +66,7 @@ pub fn help(ui: &mut Ui, pedal: &Pedal, language: Language) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shortcut;
-    use eframe::egui::Modifiers;
-
-    fn pressed(key: Key) -> Event {
-        Event::Key {
-            key,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        }
-    }
+    use crate::shortcut::{self, press};
 
     /// Every name is that of a key, and none of a key that has a meaning already.
     #[test]
@@ -134,9 +123,9 @@ mod tests {
             (Key::B, Stage::Other, Key::B),
             (Key::F14, Stage::Run, Key::F14),
         ] {
-            let mut event = pressed(sent);
+            let mut event = press(sent);
             translate(&mut event, &pedal, stage);
-            assert_eq!(event, pressed(expected));
+            assert_eq!(event, press(expected));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Buttons that have a key of their own, which stands beside their text: whoever works by keyboard needs neither Tab nor a pointer.
 
 use crate::look;
-use eframe::egui::{Context, Event, Id, Key, Popup, Ui};
+use eframe::egui::{Context, Event, Id, Key, Modifiers, Popup, Ui};
 
 /// Trainees and results.
 pub const RECORDS: Key = Key::F4;
@@ -55,6 +55,17 @@ pub fn is_pressed(ui: &Ui, key: Key) -> bool {
     is_free(ui) && ui.input(|input| input.events.iter().any(is_press))
 }
 
+/// A press of a key, alone, as the window is given it.
+pub fn press(key: Key) -> Event {
+    Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    }
+}
+
 /// A button; whether it or its key was pressed.
 pub fn button(ui: &mut Ui, text: &str, key: Key) -> bool {
     ui.button(labelled(text, key)).clicked() || is_pressed(ui, key)
@@ -76,7 +87,7 @@ pub fn labelled(text: &str, key: Key) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use eframe::egui::{CentralPanel, Modifiers, RawInput, TextEdit};
+    use eframe::egui::{CentralPanel, RawInput, TextEdit};
 
     fn key(pressed: bool, modifiers: Modifiers) -> Event {
         Event::Key {

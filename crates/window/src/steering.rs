@@ -1,8 +1,9 @@
 //! Gamepads and SpaceMice: their motions as wishes for the tool in hand, tick by tick, and their buttons as keys.
 
 use crate::look;
+use crate::shortcut;
 use crate::text;
-use eframe::egui::{self, Event, Key, Modifiers, Ui};
+use eframe::egui::{self, Key, Ui};
 use microsim_controller::{Controllers, Kind, Motion, Presence, Press, Seen};
 use microsim_message::DesktopInput;
 use microsim_vocabulary::Language;
@@ -95,14 +96,8 @@ pub fn press_keys(ui: &Ui, presses: &[Press], stage: Stage) {
     let is_used = ui.input(|input| input.focused);
     let keys = presses.iter().filter_map(|press| key(*press, stage));
     for key in keys.filter(|_| is_used) {
-        let event = Event::Key {
-            key,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        };
-        ui.ctx().input_mut(|input| input.events.push(event));
+        ui.ctx()
+            .input_mut(|input| input.events.push(shortcut::press(key)));
     }
 }
 

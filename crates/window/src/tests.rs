@@ -6,10 +6,11 @@ use crate::ledger::Debrief;
 use crate::look;
 use crate::pace::{Pace, Samples, Times};
 use crate::panels::{self, Instrument, Pictures, Task};
+use crate::shortcut::press;
 use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, ToolEntry, TraineeEntry};
 use crate::steering;
 use eframe::egui::epaint::ClippedShape;
-use eframe::egui::{self, Event, Key, Modifiers, Pos2, RawInput, Rect, Shape, Ui, vec2};
+use eframe::egui::{self, Event, Key, Pos2, RawInput, Rect, Shape, Ui, vec2};
 use microsim_controller::{Kind, Presence, Seen};
 use microsim_message::{
     CategoryScore, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText, MetricRecord, Pose,
@@ -241,13 +242,6 @@ fn the_launcher_has_room_for_its_texts() {
 /// Everything by keyboard: down, right, Enter begins level 2 of the second module.
 #[test]
 fn the_launcher_is_used_by_keyboard() {
-    let press = |key| Event::Key {
-        key,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers: Modifiers::NONE,
-    };
     let mut launcher = Launcher::default();
     let mut wanted = None;
     // All of them between two pictures, as on a slow machine.
@@ -278,13 +272,6 @@ fn the_launcher_is_used_by_keyboard() {
 /// Behind a level stand its variants, and then the next level.
 #[test]
 fn the_launcher_goes_through_variants() {
-    let press = |key| Event::Key {
-        key,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers: Modifiers::NONE,
-    };
     let mut catalogue = catalogue();
     let soft = LevelEntry {
         variant: Some("soft".into()),

@@ -64,8 +64,8 @@ pub struct State {
     /// Number of ticks with the wire between the jaws of the tool whose turn it is, sums of its distance from their middle \[m\] and of
     /// its angle to the normal of their plane \[rad\].
     guided: (u64, f64, f64),
-    /// The microscope as it is set.
-    microscope: Microscope,
+    /// The microscope as it is set; none in sessions from before it was followed.
+    microscope: Option<Microscope>,
     /// Times in which the wire was guided out of view, and out of focus \[s\], and the sum of the magnification over the ticks in which it was guided.
     seen: (f64, f64, f64),
     /// Colours of the links, by the numbers of [`shown`].
@@ -90,8 +90,8 @@ pub struct GuidePath {
     /// Half the length of a post \[m\].
     post: f64,
     tools: Vec<(String, ToolShape)>,
-    /// How the level sets the microscope.
-    view: View,
+    /// How the level sets the microscope; none in sessions from before it was followed.
+    view: Option<View>,
 }
 
 /// The plugin of this module.
@@ -242,17 +242,20 @@ impl GuidePath {
 
     /// Whether the trainee sees the tips that guide the wire.
     fn watch(&self, state: &mut State, run: &mut LevelRun, held: Held, tick: &mut Tick<'_>) {
+        let Some(microscope) = &state.microscope else {
+            return;
+        };
         let (out_of_view, out_of_focus, magnification) = &mut state.seen;
-        *magnification += state.microscope.magnification();
+        *magnification += microscope.magnification();
         let tip = held.pose.position;
-        if !state.microscope.shows(tip) {
+        if !microscope.shows(tip) {
             if *out_of_view == 0.0 {
                 let text = LocalText::fixed("Spitzen außerhalb des Bildes", "Tips out of view");
                 run.event(tick, "out-of-view", text);
             }
             *out_of_view += tick.length();
         }
-        if !state.microscope.is_sharp(tip) {
+        if !microscope.is_sharp(tip) {
             *out_of_focus += tick.length();
         }
     }
@@ -310,9 +313,7 @@ impl Exercise for GuidePath {
             wire: wire_of(setup.seed, &config.objects, &keys)?,
             post: 0.5 * post,
             tools: tools.collect::<Result<_, Fault>>()?,
-            view: config
-                .view
-                .ok_or_else(|| Fault::new("the manifest does not subscribe to microscope.view"))?,
+            view: config.view,
             keys,
         };
         let mut targets: Vec<String> = (0..exercise.sections()).map(section).collect();
@@ -333,7 +334,7 @@ impl Exercise for GuidePath {
             losses: 0,
             wide: 0.0,
             guided: (0, 0.0, 0.0),
-            microscope: Microscope::new(self.view),
+            microscope: self.view.map(Microscope::new),
             seen: (0.0, 0.0, 0.0),
             colours: vec![0; self.wire.len()],
         })
@@ -373,7 +374,9 @@ impl Exercise for GuidePath {
         run: &mut LevelRun,
         tick: &mut Tick<'_>,
     ) -> Result<(), Fault> {
-        state.microscope.update(tick)?;
+        if let Some(microscope) = &mut state.microscope {
+            microscope.update(tick)?;
+        }
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default().tools;
         if run.is_running() {
             let mut touched = Vec::new();
@@ -418,9 +421,11 @@ impl Exercise for GuidePath {
         run.measure("wide-time", state.wide);
         let (out_of_view, out_of_focus, magnification) = state.seen;
         if let (n @ 1.., distances, angles) = state.guided {
-            run.measure("out-of-view", out_of_view);
-            run.measure("out-of-focus", out_of_focus);
-            run.measure("magnification", magnification / n as f64);
+            if state.microscope.is_some() {
+                run.measure("out-of-view", out_of_view);
+                run.measure("out-of-focus", out_of_focus);
+                run.measure("magnification", magnification / n as f64);
+            }
             run.measure("off-centre", distances / n as f64);
             run.measure("askew", angles / n as f64);
         }

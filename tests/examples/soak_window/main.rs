@@ -17,7 +17,7 @@ use microsim_tests::{command, finish, microsim, repository, scratch};
 use player::Player;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{ExitCode, Stdio};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 const MINUTES: f64 = 30.0;
@@ -188,15 +188,11 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     let mut display = Display::open_of([1920, 1080])?;
     display.manage(folder.path())?;
     display.set_resolution(96)?;
-    let mut window = command(["window", "--lang", "en", "--size", "1280x720"]);
-    window
-        .env("DISPLAY", display.name())
-        .env("MICROSIM_DATA", &data)
-        .env("XDG_RUNTIME_DIR", &data);
+    let mut window = display.program(&data, ["window", "--lang", "en", "--size", "1280x720"]);
     driver.put_below(&mut window);
     let errors = folder.path().join("errors");
     let file = File::create(&errors).map_err(failed)?;
-    window.stdout(Stdio::null()).stderr(file);
+    window.stderr(file);
     let mut window = Peer(
         window
             .spawn()

@@ -3,7 +3,7 @@
 use super::records::{LONG, SIZE, click_on};
 use super::{SIZES, check_height, everywhere, texts};
 use crate::appearance::{Appearance, Wanted, changes_picture};
-use eframe::egui::{Event, Key, Modifiers, Ui};
+use eframe::egui::{Key, Ui};
 use microsim_settings::WindowSettings;
 use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
 
@@ -83,13 +83,7 @@ fn settings_are_changed_by_mouse() {
 
 #[test]
 fn escape_leads_back() {
-    let key = Event::Key {
-        key: Key::Escape,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers: Modifiers::NONE,
-    };
+    let key = crate::shortcut::press(Key::Escape);
     let mut wanted = None;
     texts(SIZE, vec![key], |ui| {
         let mut settings = WindowSettings::default();

@@ -12,7 +12,7 @@ use crate::player::State;
 use crate::references::{Ghost, Motion, ReadTrack, Reference, References};
 use crate::replay::waiting;
 use crate::timeline;
-use eframe::egui::{self, Event, Key, Modifiers, Ui};
+use eframe::egui::{self, Key, Ui};
 use microsim_host::playback::Standing;
 use microsim_host::replay::Difference;
 use microsim_message::LocalText;
@@ -294,13 +294,7 @@ fn a_debrief_leads_to_the_replay() {
     let mut show = |ui: &mut Ui| {
         next = debrief::show(ui, &debrief, true, Language::English).or(next);
     };
-    let key = Event::Key {
-        key: Key::R,
-        physical_key: None,
-        pressed: true,
-        repeat: false,
-        modifiers: Modifiers::NONE,
-    };
+    let key = crate::shortcut::press(Key::R);
     texts(SIZE, vec![key], &mut show);
     assert_eq!(next.take(), Some(Next::Replay(0)));
 }
