@@ -196,10 +196,12 @@ pub(crate) fn version(connection: &Connection) -> Result<i64, StoreError> {
 
 /// Refuses what is no store, and what is of a later version.
 pub(crate) fn check(connection: &Connection, known: i64) -> Result<i64, StoreError> {
-    let found = version(connection)?;
-    let application: i64 = connection.query_row("PRAGMA application_id", [], |row| row.get(0))?;
-    let tables: i64 =
-        connection.query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get(0))?;
+    // One statement reads one state of the file: another process may be making the tables.
+    let (found, application, tables): (i64, i64, i64) = connection.query_row(
+        "SELECT user_version, application_id, (SELECT count(*) FROM sqlite_schema) FROM pragma_user_version, pragma_application_id",
+        [],
+        |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)),
+    )?;
     if application != APPLICATION && tables > 0 {
         return Err(StoreError::CannotOpen(
             "it is a database of another program".into(),

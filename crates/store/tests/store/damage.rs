@@ -82,6 +82,27 @@ fn writers_at_the_same_time_wait_for_each_other() {
     assert_eq!(store.check(), Ok(Vec::new()));
 }
 
+/// The first openings of a file at the same time: one makes the tables, and none takes the file of the other for somebody else's.
+#[test]
+fn a_store_that_another_is_making_is_waited_for() {
+    for _ in 0..40 {
+        let scratch = scratch();
+        let opened = std::thread::scope(|scope| {
+            let path = &scratch.path;
+            let openings: Vec<_> = (0..8)
+                .map(|_| scope.spawn(|| Store::open(path).map(|store| store.version())))
+                .collect();
+            openings
+                .into_iter()
+                .map(|opening| opening.join().expect("no panic"))
+                .collect::<Vec<_>>()
+        });
+        for version in opened {
+            assert_eq!(version, Ok(open(&scratch).version()));
+        }
+    }
+}
+
 /// Pages overwritten with noise, one after the other: the damage is found, or it fell on an unused page; nothing panics, and what can be read is as
 /// it was. A quarter of the pages are tried.
 #[test]
