@@ -85,6 +85,8 @@ pub struct Seen<'a> {
     pub log: &'a [u8],
     /// From the begin of the tick to its snapshot \[s\].
     pub duration: f64,
+    /// How much later than its time it began \[s\]; 0 for one that waited for its time, or that is not paced.
+    pub lateness: f64,
     /// Ticks that began late so far.
     pub late_ticks: u64,
     engine: &'a Engine,
@@ -133,17 +135,21 @@ struct Pace {
 }
 
 impl Pace {
-    fn wait(&mut self) {
+    /// Waits for the next tick. Returns how much later than its time it begins.
+    fn wait(&mut self) -> Duration {
         let now = Instant::now();
         if now < self.next {
             std::thread::sleep(self.next - now);
-        } else if now - self.next > self.rule.tolerance {
+        }
+        let lateness = now.saturating_duration_since(self.next);
+        if lateness > self.rule.tolerance {
             self.late += 1;
-            if now - self.next > self.rule.give_up {
-                self.next = now;
-            }
+        }
+        if lateness > self.rule.give_up.max(self.rule.tolerance) {
+            self.next = now;
         }
         self.next += self.tick;
+        lateness
     }
 
     /// Moves the schedule past a pause, so that arrivals go on where they were.
@@ -348,8 +354,9 @@ impl RunLoop<'_> {
                     pace.skip(paused);
                 }
             }
+            let mut lateness = Duration::ZERO;
             if let Some(pace) = &mut pace {
-                pace.wait();
+                lateness = pace.wait();
                 outcome.late_ticks = pace.late;
             }
             if let Some(operator) = &mut options.operator {
@@ -391,6 +398,7 @@ impl RunLoop<'_> {
                     time: seconds,
                     log: &output.log,
                     duration: duration.as_secs_f64(),
+                    lateness: lateness.as_secs_f64(),
                     late_ticks: outcome.late_ticks,
                     engine: self.engine,
                 });

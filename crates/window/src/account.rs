@@ -65,6 +65,8 @@ impl Account {
             to_picture_p99 = delays[1],
             ticks,
             late = pace.late,
+            overdue = pace.overdue,
+            overdue_by_work = pace.overdue_by_work,
             unconverged = pace.unconverged,
             held = pace.held,
             "a run was shown"

@@ -131,7 +131,8 @@ struct Desk {
     catalogue: Catalogue,
     trainees: Result<Vec<TraineeEntry>, String>,
     launcher: Launcher,
-    field: Field,
+    /// `None` between two devices, when nothing is shown.
+    field: Option<Field>,
     /// Has the window drawn when a thread has something new.
     waker: Waker,
     /// Work on the store goes on while other screens are shown.
@@ -174,7 +175,7 @@ impl Desk {
             screen: Screen::Launcher,
             station,
             catalogue,
-            field,
+            field: Some(field),
         };
         if let Some(choice) = opening.choice {
             let place = desk
@@ -287,7 +288,10 @@ impl Desk {
         };
         let panels = self.settings.panels;
         let station = &*self.station;
-        match replay.show(ui, &mut self.field, station, panels, self.language) {
+        let Some(field) = &mut self.field else {
+            return;
+        };
+        match replay.show(ui, field, station, panels, self.language) {
             None => {}
             Some(replay::Outcome::Language) => self.change_language(),
             Some(replay::Outcome::Back) => {
@@ -388,8 +392,10 @@ impl Desk {
             ui.send_viewport_cmd(egui::ViewportCommand::Fullscreen(settings.full_screen));
         }
         self.language = settings.language.unwrap_or(self.language);
-        if appearance::changes_picture(&self.settings, &settings) {
-            self.field.set(&settings);
+        if let Some(field) = &mut self.field
+            && appearance::changes_picture(&self.settings, &settings)
+        {
+            field.set(&settings);
         }
         self.settings = settings;
     }
@@ -521,8 +527,12 @@ fn other(language: Language) -> Language {
 }
 
 impl device::Shown for Desk {
+    fn release(&mut self) {
+        self.field = None;
+    }
+
     fn take(&mut self, context: &eframe::CreationContext<'_>, why: &str) -> Result<(), String> {
-        self.field = field_of(context, &self.settings)?;
+        self.field = Some(field_of(context, &self.settings)?);
         look::apply(&context.egui_ctx);
         self.waker.turn_to(&context.egui_ctx);
         match &mut self.screen {
@@ -540,7 +550,7 @@ impl device::Shown for Desk {
     }
 
     fn lost(&self) -> Option<String> {
-        self.field.lost()
+        self.field.as_ref().and_then(Field::lost)
     }
 
     fn show(&mut self, ui: &mut Ui) {
@@ -562,7 +572,10 @@ impl device::Shown for Desk {
             Screen::Upkeep => self.show_upkeep(ui),
             Screen::Complaint(_) => self.show_complaint(ui),
             Screen::Training(training) => {
-                match training.show(ui, &mut self.field, panels, self.language) {
+                let Some(field) = &mut self.field else {
+                    return;
+                };
+                match training.show(ui, field, panels, self.language) {
                     None => {}
                     Some(Outcome::Back) => self.screen = Screen::Launcher,
                     Some(Outcome::Restart) => {

@@ -47,6 +47,9 @@ impl Waker {
 
 /// What a window shows, and goes on showing with another device.
 pub trait Shown {
+    /// Lets go of a device that is lost, so that its memory is free before another one is opened.
+    fn release(&mut self);
+
     /// Takes another device, in place of the one that was lost for this reason.
     ///
     /// # Errors
@@ -132,6 +135,7 @@ pub fn run<S: Shown>(
             (Err(error), None, Some(_)) => Some(error),
             (_, Some(why), _) => {
                 tracing::warn!("the graphics driver lost its device: {why}");
+                shown.borrow_mut().iter_mut().for_each(Shown::release);
                 let is_hopeless = losses.add(Instant::now());
                 lost = Some(why);
                 is_hopeless.then(|| format!("it was lost {MOST_LOSSES} times within a minute"))

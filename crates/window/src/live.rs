@@ -316,7 +316,9 @@ impl Operator for Seat<'_> {
             }
         }
         drop(tones);
-        pace.ticks.push(seen.duration);
+        // Ticks are counted from 0, and the time is that of their end.
+        let length = seen.time / (seen.tick + 1) as f64;
+        pace.add_tick(length, seen.lateness, seen.duration);
         pace.late = seen.late_ticks;
         if let Some(solver) = solver {
             pace.unconverged += u64::from(solver.unconverged > 0);

@@ -36,10 +36,17 @@ pub struct Pace {
     pub waits: Times,
     /// From the begin of a tick to its snapshot.
     pub ticks: Times,
-    /// Ticks that began late, those whose solver did not come to its tolerance, and those whose forces mean nothing.
+    /// Ticks that began late, by more than the tolerance of the station.
     pub late: u64,
+    /// Ticks that began late by more than a tick.
+    pub overdue: u64,
+    /// Those of them that a tick that took longer than its length left behind: the others were not begun in time.
+    pub overdue_by_work: u64,
+    /// Ticks whose solver did not come to its tolerance, and those whose forces mean nothing.
     pub unconverged: u64,
     pub held: u64,
+    /// Whether a tick took longer than its length, and the time has not been made up.
+    lags: bool,
     /// Samples of a tracker; `None` without one.
     pub samples: Option<Samples>,
     /// The newest sample of each device, by its own clock \[s\].
@@ -56,6 +63,17 @@ pub struct Samples {
 }
 
 impl Pace {
+    /// Takes a tick of this length that began so much later than its time, and how long it took \[s\].
+    pub fn add_tick(&mut self, length: f64, lateness: f64, duration: f64) {
+        self.lags &= lateness > 0.0;
+        if lateness > length {
+            self.overdue += 1;
+            self.overdue_by_work += u64::from(self.lags);
+        }
+        self.lags |= duration > length;
+        self.ticks.push(duration);
+    }
+
     /// Takes what a live source states of a tick.
     pub fn add(&mut self, timing: &InputTiming) {
         self.samples.get_or_insert_default().dropped += timing.dropped;
@@ -94,6 +112,24 @@ mod tests {
         );
         (0..MOST).for_each(|_| times.push(7.0));
         assert_eq!(times.quantile(0.99), Some(7.0));
+    }
+
+    /// Ticks of 8 ms: one takes 30 ms, so that the next ones begin 22, 15 and 8 ms late; then one begins 9 ms late for no fault of a tick.
+    #[test]
+    fn an_overdue_tick_has_a_cause() {
+        let mut pace = Pace::default();
+        let ms = [
+            (0.0, 30.0),
+            (22.0, 1.0),
+            (15.0, 1.0),
+            (8.0, 1.0),
+            (0.0, 1.0),
+        ];
+        for (lateness, duration) in ms.into_iter().chain([(9.0, 1.0), (2.0, 1.0)]) {
+            pace.add_tick(8e-3, 1e-3 * lateness, 1e-3 * duration);
+        }
+        assert_eq!((pace.overdue, pace.overdue_by_work), (3, 2));
+        assert_eq!(pace.ticks.quantile(1.0), Some(30e-3));
     }
 
     #[test]

@@ -145,7 +145,11 @@ fn happen(
             player.keys(&["F11"])?;
         }
         Event::BegunAnew => session = player.restart()?,
-        Event::QualityAndPanels => player.keys(&["F2", "F3", "F2", "F3", "F2"])?,
+        Event::QualityAndPanels => {
+            player.keys(&["F2", "F3"])?;
+            player.wait(1.0);
+            player.keys(&["F3"])?;
+        }
     }
     player.wait(1.0);
     player.focus()?;
@@ -178,6 +182,17 @@ fn slot(
     }
 }
 
+/// Draws in every quality once, and comes back to the first: what each needs is compiled with its first picture and stays, which is no growth.
+fn draw_in_all_qualities(player: &mut Player<'_>) -> Result<(), String> {
+    let session = player.begin(0, 1)?;
+    for _ in 0..3 {
+        player.keys(&["F2"])?;
+        player.wait(4.0);
+    }
+    player.end(&session)?;
+    player.to_modules()
+}
+
 fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     let folder = scratch();
     let data = folder.path().join("data");
@@ -202,6 +217,7 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     let mut player = Player::new(&display, seed, &data);
     player.focus()?;
     player.wait(3.0);
+    draw_in_all_qualities(&mut player)?;
 
     let levels = levels();
     let count = ((60.0 * minutes / SLOT).round() as usize).max(1);

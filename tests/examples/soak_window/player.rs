@@ -278,6 +278,12 @@ impl<'a> Player<'a> {
             let further = 1 + self.random.below(3) as usize;
             self.press(further)?;
         }
+        // A list that was opened last takes the first one.
+        self.keys(&["Escape"])?;
+        self.wait(1.0);
+        self.keys(&["Escape"])?;
+        self.wait(1.0);
+        self.changes("the results", &["F4"])?;
         self.changes("back to the modules", &["Escape"])
     }
 }
