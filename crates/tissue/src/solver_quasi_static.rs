@@ -278,7 +278,10 @@ impl Solver for SolverQuasiStatic {
 
     fn follow(&mut self, model: &TissueModel) {
         let newton_options = self.newton_options;
+        let (effort, most_work) = (self.solver.effort, self.solver.most_work);
         *self = Self::with_options(model, self.newton, &newton_options, self.options);
+        // In the middle of a tick the bounds of its work remain.
+        (self.solver.effort, self.solver.most_work) = (effort, most_work);
     }
 
     fn limit_work(&mut self, most: f64) {

@@ -75,9 +75,13 @@ impl NewtonSolver {
         Self::with_system(model, System::new(model), options)
     }
 
-    /// That for the model of the same body after an edit.
+    /// That for the model of the same body after an edit, or with elements that have slid. That happens in the middle of a tick as well, whose bounds of work remain.
     pub fn following(&self, model: &TissueModel) -> Self {
-        Self::with_system(model, self.system.following(model), &self.options)
+        Self {
+            effort: self.effort,
+            most_work: self.most_work,
+            ..Self::with_system(model, self.system.following(model), &self.options)
+        }
     }
 
     fn with_system(model: &TissueModel, system: System, options: &NewtonOptions) -> Self {

@@ -69,6 +69,9 @@ fn effort_is_a_multiple_of_the_iterations() {
     let mut solver = new(1);
     solver.set_effort(3);
     assert_eq!(step(&mut solver), thrice);
+    // Also with the model after elements have slid.
+    solver.follow(&model);
+    assert_eq!(step(&mut solver), thrice);
     solver.set_effort(1);
     assert_eq!(step(&mut solver), once);
 }
@@ -86,6 +89,7 @@ fn a_step_ends_when_its_work_is_spent() {
     let step = |newton: Newton, most: f64| {
         let mut solver = SolverImplicit::new(&model, SCHEMES[0], newton);
         solver.limit_work(most);
+        solver.follow(&model);
         let mut state = start.clone();
         let control = Control::default();
         let report = solver.step(&model, &mut state, &control, &[], 1e-3, &Serial);
