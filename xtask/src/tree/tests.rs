@@ -29,6 +29,7 @@ impl Repository {
             ),
             ("modules/hold/levels/level1.toml", "level"),
             ("modules/hold/scripts/level1-pass.toml", "script"),
+            ("modules/hold/pictures/level1.png", "a picture"),
             ("modules/hold/README.md", "read me"),
             ("modules/no-package/module.toml", ""),
             ("config/host.toml", "host"),
@@ -88,7 +89,7 @@ fn files_below(folder: &Path) -> Vec<String> {
 #[test]
 fn the_tree_holds_what_runs_and_nothing_else() {
     let repository = Repository::new();
-    assert_eq!(repository.assemble(), Ok((11, 0)));
+    assert_eq!(repository.assemble(), Ok((12, 0)));
     let mut expected = vec![
         "assets/recordings/a.csv".to_owned(),
         "config/host.toml".into(),
@@ -97,6 +98,7 @@ fn the_tree_holds_what_runs_and_nothing_else() {
         "modules/hold/levels/level1.toml".into(),
         format!("modules/hold/{}", library_file("a_hold")),
         "modules/hold/module.toml".into(),
+        "modules/hold/pictures/level1.png".into(),
         "modules/hold/scripts/level1-pass.toml".into(),
         format!("plugins/objects/{}", library_file("an_objects")),
         "plugins/objects/look/grid.csv".into(),
