@@ -14,8 +14,8 @@ use std::process::{Command, ExitCode};
 const FIELD: u32 = 960;
 /// Width and height of what is stored \[pixels\].
 const SIZE: [u32; 2] = [320, 240];
-/// Colours of a stored picture: fewer show steps in what is lit softly, more make it larger than it is worth.
-const COLOURS: &str = "128";
+/// Colours of a stored picture, all that a palette of PNG has: fewer show steps in what is lit softly.
+const COLOURS: &str = "256";
 /// How much longer than to its moment a level runs \[s\]: some ticks of the longest that a level has.
 const AFTER: f64 = 0.1;
 
@@ -89,8 +89,15 @@ fn draw(module: &Path, moment: &Moment) -> Result<(), String> {
     let file = pictures.join(format!("level{level}.png"));
     let mut smaller = Command::new("convert");
     let [width, height] = SIZE;
-    smaller.arg(frame).args(["-crop", &moment.crop(), "+repage"]);
-    smaller.args(["-filter", "triangle", "-resize", &format!("{width}x{height}!")]);
+    smaller
+        .arg(frame)
+        .args(["-crop", &moment.crop(), "+repage"]);
+    smaller.args([
+        "-filter",
+        "triangle",
+        "-resize",
+        &format!("{width}x{height}!"),
+    ]);
     smaller.args(["-dither", "None"]);
     // Neither time nor name of the file that was read: the same picture is the same bytes.
     smaller.args(["-colors", COLOURS, "-strip"]);

@@ -111,7 +111,10 @@ impl Visit {
         let start = Instant::now();
         while count(&self.sessions, extension) == before[extension] {
             if start.elapsed() > PATIENCE {
-                return Err(format!("{}, {:?}: nothing begins or ends", self.language, self.size));
+                return Err(format!(
+                    "{}, {:?}: nothing begins or ends",
+                    self.language, self.size
+                ));
             }
             std::thread::sleep(DRAWN);
             if count(&self.sessions, extension) == before[extension] {
@@ -128,7 +131,11 @@ impl Visit {
         let [width, height] = self.size;
         let name = format!("{}-{width}x{height}-{screen}.png", self.language);
         keep(&self.display, &folder().join(name))?;
-        let state = self.window.0.try_wait().map_err(|error| error.to_string())?;
+        let state = self
+            .window
+            .0
+            .try_wait()
+            .map_err(|error| error.to_string())?;
         match state {
             None => Ok(()),
             Some(status) => Err(format!("{screen}: the window has ended: {status}")),
@@ -182,7 +189,9 @@ fn show_modules(language: &'static str) -> Result<(), String> {
 
 /// Names of the modules, in the order of the launcher.
 fn modules() -> Vec<String> {
-    let listed = microsim_tests::microsim(["list", "--json"]).expect(0).json();
+    let listed = microsim_tests::microsim(["list", "--json"])
+        .expect(0)
+        .json();
     let modules = listed["modules"].as_array().expect("modules").iter();
     let names = modules.map(|module| module["name"].as_str().expect("a name").to_owned());
     names.collect()

@@ -11,6 +11,7 @@ use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, ToolEntry, Trai
 use crate::steering;
 use eframe::egui::epaint::ClippedShape;
 use eframe::egui::{self, Event, Key, Pos2, RawInput, Rect, Shape, Ui, vec2};
+use launcher::Album;
 use microsim_controller::{Kind, Presence, Seen};
 use microsim_message::{
     CategoryScore, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText, MetricRecord, Pose,
@@ -20,7 +21,6 @@ use microsim_render::Quality;
 use microsim_report::{Moment, MomentKind, ReportBuilder, ReportInput, ToolSeries};
 use microsim_settings::{DominantHand, RendererConfig, View};
 use microsim_vocabulary::Language;
-use launcher::Album;
 use std::path::PathBuf;
 
 mod appearance;

@@ -8,8 +8,11 @@ use std::path::Path;
 
 impl LevelPictures for AtThisPlace {
     fn picture(&self, module: &str, level: u32) -> Result<Option<PictureFile>, String> {
-        let module: &ModuleFolder = self.installation.module(module).map_err(|e| e.to_string())?;
-        read(module.manifest.document.path(), level)
+        let module: &ModuleFolder = self
+            .installation
+            .module(module)
+            .map_err(|e| e.to_string())?;
+        read(&module.manifest.document.path(), level)
     }
 }
 
@@ -41,7 +44,10 @@ mod tests {
         assert_eq!(found.path, folder.join("level1.png"));
         let why = read(&manifest, 2).expect_err("a folder");
         let place = folder.join("level2.png").display().to_string();
-        assert!(why.starts_with(&place) && why.contains("cannot be read"), "{why}");
+        assert!(
+            why.starts_with(&place) && why.contains("cannot be read"),
+            "{why}"
+        );
         assert_eq!(read(&manifest, 3), Ok(None));
     }
 }

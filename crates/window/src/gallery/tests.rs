@@ -74,7 +74,10 @@ fn a_file_that_is_no_picture_gives_one_line() {
     // All that comes before the end of the pixels is needed; the last twelve bytes only state that nothing follows.
     for end in 0..good.len() - 12 {
         let why = shown(good[..end].to_vec()).expect_err("a part of a file");
-        assert!(why.starts_with("modules/hold/pictures/level1.png: "), "{why}");
+        assert!(
+            why.starts_with("modules/hold/pictures/level1.png: "),
+            "{why}"
+        );
         assert_eq!(why.lines().count(), 1, "{why}");
     }
     for at in 0..good.len() {
@@ -86,7 +89,10 @@ fn a_file_that_is_no_picture_gives_one_line() {
     for (bytes, what) in [
         (b"GIF89a".to_vec(), "no PNG"),
         (vec![0xff, 0xd8, 0xff, 0xe0], "JPEG"),
-        (png(MOST + 1, 1), "1025 × 1 pixels; expected: 1 to 1024 a side"),
+        (
+            png(MOST + 1, 1),
+            "1025 × 1 pixels; expected: 1 to 1024 a side",
+        ),
     ] {
         let why = shown(bytes).expect_err(what);
         assert!(why.contains(what), "{why}");

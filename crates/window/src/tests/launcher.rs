@@ -75,9 +75,9 @@ fn pictures_have_their_places_beside_texts() {
             // Titles of all modules, which have two words, begin in one column.
             let title = super::words(2);
             let title = crate::text::local(&title, language);
-            let titles = texts.iter().filter(|(text, place, _)| {
-                text == title && place.left() < 0.4 * size[0]
-            });
+            let titles = texts
+                .iter()
+                .filter(|(text, place, _)| text == title && place.left() < 0.4 * size[0]);
             let columns: Vec<f32> = titles.map(|(_, place, _)| place.left()).collect();
             assert_eq!(columns.len(), catalogue().modules.len());
             let first = columns[0];
@@ -104,6 +104,8 @@ fn pictures_are_asked_for_once() {
     let drawn = show(None, Language::German);
     assert_eq!((album.asked.get(), pictures_of(&drawn).len()), (9, 4));
     let complaints = texts_of(&drawn);
-    let broken = complaints.iter().filter(|(text, ..)| text.contains("module-3/pictures/level1.png"));
+    let broken = complaints
+        .iter()
+        .filter(|(text, ..)| text.contains("module-3/pictures/level1.png"));
     assert_eq!(broken.count(), 1);
 }
