@@ -128,4 +128,4 @@ fn halved(image: &ColorImage) -> ColorImage {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -2,12 +2,18 @@
 
 use super::*;
 use eframe::egui::vec2;
-use microsim_render::Image as Drawn;
 use std::cell::Cell;
 
 /// A grey picture.
-fn png(width: u32, height: u32) -> Vec<u8> {
-    Drawn::new(width, height, vec![128; 4 * (width * height) as usize]).to_png()
+pub(crate) fn png(width: u32, height: u32) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Grayscale);
+    let pixels = vec![128; (width * height) as usize];
+    let written = encoder.write_header();
+    let written = written.and_then(|mut writer| writer.write_image_data(&pixels));
+    written.expect("a picture in memory");
+    bytes
 }
 
 /// A station whose level 1 has these bytes as picture; level 2 has none, and that of level 3 cannot be read.
