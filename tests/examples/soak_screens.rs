@@ -207,7 +207,7 @@ fn count(folder: &Path, extension: &str) -> usize {
 
 fn page() -> String {
     let mut text = "# Screens of the window\n\nCommand: `cargo xtask soak screens`. The shipped program at a display without a screen, with a software driver; each screen is reached by keys. Smallest contrast of \
-        texts and overlap are computed by the tests of the window (`crates/window/src/tests`).\n"
+        texts and overlap are computed by the tests of the window (`crates/window/src/tests`). Pictures per second and late ticks in the panels are those of a machine that may have other work.\n"
         .to_owned();
     for (screen, keys) in SCREENS {
         let keys = keys.join(", ");
