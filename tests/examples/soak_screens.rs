@@ -69,6 +69,8 @@ struct Visit {
     sessions: PathBuf,
     language: &'static str,
     size: [u32; 2],
+    /// What was stored last.
+    last: Vec<[u8; 3]>,
 }
 
 impl Visit {
@@ -78,9 +80,10 @@ impl Visit {
         let arguments = ["window", "--lang", language, "--size", &of];
         let window = display.program(&station.data(), arguments).spawn();
         let window = Peer(window.map_err(|error| format!("the program: {error}"))?);
-        std::thread::sleep(2 * DRAWN);
         display.focus("MicroSim");
+        let black = vec![[0; 3]; (size[0] * size[1]) as usize];
         Ok(Self {
+            last: black,
             display,
             window,
             sessions: station.data().join("sessions"),
@@ -95,10 +98,29 @@ impl Visit {
         ["session", "html"].map(of).into()
     }
 
+    /// Presses keys, each once the one before has changed what is seen; some change little or nothing.
     fn press(&self, keys: &[&str]) {
         for key in keys {
+            let before = self.display.shot().pixels;
             self.display.key(key);
+            self.changed(&before, DRAWN);
             std::thread::sleep(Duration::from_millis(700));
+        }
+    }
+
+    /// Waits until another screen is seen, for at most so long; whether it is.
+    fn changed(&self, before: &[[u8; 3]], most: Duration) -> bool {
+        let start = Instant::now();
+        loop {
+            let now = self.display.shot().pixels;
+            let changed = before.iter().zip(&now).filter(|(a, b)| a != b).count();
+            if 300 * changed > now.len() {
+                return true;
+            }
+            if start.elapsed() > most {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(200));
         }
     }
 
@@ -127,7 +149,11 @@ impl Visit {
 
     /// Stores what is seen now.
     fn keep(&mut self, screen: &str) -> Result<(), String> {
+        if !self.changed(&self.last, PATIENCE) {
+            return Err(format!("{screen}: nothing changes"));
+        }
         std::thread::sleep(DRAWN);
+        self.last = self.display.shot().pixels;
         let [width, height] = self.size;
         let name = format!("{}-{width}x{height}-{screen}.png", self.language);
         keep(&self.display, &folder().join(name))?;
