@@ -136,8 +136,8 @@ fn what_is_gone_from_the_repository_goes_from_the_tree() {
     fs::remove_dir_all(repository.path("modules/hold")).unwrap();
     let library = format!("modules/hold/{}", library_file("a_hold"));
     repository.write("tree/installed.b3", &format!("0123  {library}\n"));
-    // Five files of the module, config/host.toml and look/grid.csv.
-    assert_eq!(repository.assemble(), Ok((2, 7)));
+    // Six files of the module, config/host.toml and look/grid.csv.
+    assert_eq!(repository.assemble(), Ok((2, 8)));
     assert!(!repository.tree().join("modules/hold").exists());
     assert_eq!(
         repository.in_tree("config/host.toml/part.toml").unwrap(),
