@@ -91,6 +91,12 @@ fn play(display: &Display, data: &Path) -> (Value, bool) {
     let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
     let text = |shot: &Shot| some(shot.find([[0, 0], [500, 700]], is_text), 500);
     display.wait_for("the launcher", Duration::from_secs(60), text);
+    // Beside the modules stand pictures of what is trained: pink tissue, where all else is grey and blue.
+    let pink = |shot: &Shot| {
+        let is_pink = |[r, g, b]: [u8; 3]| r > 150 && r > g.saturating_add(40) && b > 70;
+        some(shot.find([[12, 84], [92, 700]], is_pink), 300)
+    };
+    display.wait_for("pictures of modules", Duration::from_secs(10), pink);
     keep(display, "window-launcher");
     display.focus("MicroSim");
     display.point([900, 640]);

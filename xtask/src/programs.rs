@@ -194,6 +194,11 @@ pub const SOAKS: &[Program] = &[
         example: "soak_screens",
         shows: "every screen of the window, in both languages and two sizes",
     },
+    Program {
+        name: "levels",
+        example: "soak_levels",
+        shows: "a picture of each level for the window, as it is trained (-- MODULE...)",
+    },
 ];
 
 /// The program of a name; all of them without one. The error of an unknown name lists the known ones.

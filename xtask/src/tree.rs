@@ -3,7 +3,7 @@
 //! ```text
 //! target/microsim/microsim
 //!                 plugins/NAME/  plugin.toml, library, files of its own
-//!                 modules/NAME/  module.toml, library, levels/, scripts/, README.md
+//!                 modules/NAME/  module.toml, library, levels/, scripts/, pictures/, README.md
 //!                 config/  assets/
 //! ```
 //!

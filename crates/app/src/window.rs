@@ -4,6 +4,7 @@ mod copies;
 mod films;
 mod jobs;
 mod ledger;
+mod level_pictures;
 mod recorded;
 mod references;
 

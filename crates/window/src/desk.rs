@@ -312,6 +312,7 @@ impl Desk {
             catalogue: &self.catalogue,
             trainees: &self.trainees,
             locked: &|choice| station.locked(choice),
+            pictures: &**station,
         };
         match self.launcher.show(ui, &offer, self.language) {
             None => {}
@@ -533,6 +534,7 @@ impl device::Shown for Desk {
 
     fn take(&mut self, context: &eframe::CreationContext<'_>, why: &str) -> Result<(), String> {
         self.field = Some(field_of(context, &self.settings)?);
+        self.launcher.take_new_device();
         look::apply(&context.egui_ctx);
         self.waker.turn_to(&context.egui_ctx);
         match &mut self.screen {

@@ -1,10 +1,13 @@
 //! Choosing: who trains, which module, which level.
 
+use crate::cards::{LevelCard, ModuleCard};
+use crate::gallery::Gallery;
+use crate::level_pictures::LevelPictures;
 use crate::look;
 use crate::shortcut;
-use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, TraineeEntry};
-use crate::text::{self, local};
-use eframe::egui::{self, Align, Event, Key, Layout, ScrollArea, Sense, Ui};
+use crate::station::{Catalogue, Choice, LevelEntry, TraineeEntry};
+use crate::text;
+use eframe::egui::{self, Align, Event, Key, Layout, ScrollArea, Ui};
 use microsim_message::LocalText;
 use microsim_settings::DominantHand;
 use microsim_vocabulary::Language;
@@ -24,6 +27,7 @@ pub struct Launcher {
     pub hand: DominantHand,
     /// Whether the lists are to show what was chosen by keyboard.
     scrolls: bool,
+    gallery: Gallery,
 }
 
 /// What the operator asked for.
@@ -51,6 +55,8 @@ pub struct Offer<'a> {
     pub trainees: &'a Result<Vec<TraineeEntry>, String>,
     /// Why a level is not open to the trainee.
     pub locked: &'a dyn Fn(&Choice) -> Option<LocalText>,
+    /// What is trained, as it looks.
+    pub pictures: &'a dyn LevelPictures,
 }
 
 impl Launcher {
@@ -106,17 +112,7 @@ impl Launcher {
             .resizable(false)
             .show(ui, |ui| {
                 ui.label(look::heading(text::CHOOSE_MODULE.of(language)));
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    for (index, module) in offer.catalogue.modules.iter().enumerate() {
-                        let chosen = index == self.module;
-                        if module_card(ui, module, chosen, chosen && self.scrolls, language) {
-                            self.choose_module(index);
-                        }
-                    }
-                    for complaint in &offer.catalogue.complaints {
-                        ui.label(look::quiet(complaint).color(look::BAD));
-                    }
-                });
+                self.choose_among_modules(ui, offer, language);
             });
         egui::CentralPanel::default().show(ui, |ui| {
             let Some(module) = offer.catalogue.modules.get(self.module) else {
@@ -138,8 +134,20 @@ impl Launcher {
                         };
                         let locked = (offer.locked)(&choice);
                         let chosen = self.is_chosen(level);
-                        let scrolls = chosen && self.scrolls;
-                        if level_card(ui, level, (chosen, scrolls), locked.as_ref(), language) {
+                        // A variant may look otherwise.
+                        let has_picture = chosen && level.variant.is_none();
+                        let of = (&module.name[..], level.number);
+                        let picture = has_picture
+                            .then(|| self.gallery.picture(ui.ctx(), offer.pictures, of))
+                            .flatten();
+                        let card = LevelCard {
+                            level,
+                            locked: locked.as_ref(),
+                            picture: picture.as_ref().map(|picture| (picture, levels)),
+                            chosen,
+                            scrolls: chosen && self.scrolls,
+                        };
+                        if card.show(ui, language) {
                             self.choose_level(level);
                         }
                     }
@@ -161,6 +169,36 @@ impl Launcher {
             }
         });
         wanted
+    }
+
+    fn choose_among_modules(&mut self, ui: &mut Ui, offer: &Offer<'_>, language: Language) {
+        let modules = &offer.catalogue.modules;
+        let height = ModuleCard::picture_height(ui, modules.len());
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for (index, module) in modules.iter().enumerate() {
+                let chosen = index == self.module;
+                let of = (&module.name[..], 1);
+                let picture = self.gallery.picture(ui.ctx(), offer.pictures, of);
+                let card = ModuleCard {
+                    module,
+                    picture: (picture.as_ref(), height),
+                    chosen,
+                    scrolls: chosen && self.scrolls,
+                };
+                if card.show(ui, language) {
+                    self.choose_module(index);
+                }
+            }
+            let complaints = offer.catalogue.complaints.iter();
+            for complaint in complaints.chain(self.gallery.complaints()) {
+                ui.label(look::quiet(complaint).color(look::BAD));
+            }
+        });
+    }
+
+    /// Reads pictures again when they are shown next: the graphics device is another one.
+    pub fn take_new_device(&mut self) {
+        self.gallery = Gallery::default();
     }
 
     fn change_hand(&mut self) {
@@ -246,69 +284,4 @@ impl Launcher {
         }
         None
     }
-}
-
-fn module_card(
-    ui: &mut Ui,
-    module: &ModuleEntry,
-    chosen: bool,
-    scrolls: bool,
-    language: Language,
-) -> bool {
-    let title = local(&module.title, language);
-    let shown = look::card(chosen).show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        ui.strong(title);
-        ui.label(look::quiet(local(&module.summary, language)));
-    });
-    if scrolls {
-        shown.response.scroll_to_me(None);
-    }
-    is_pressed(ui, &shown.response, title)
-}
-
-fn level_card(
-    ui: &mut Ui,
-    level: &LevelEntry,
-    (chosen, scrolls): (bool, bool),
-    locked: Option<&LocalText>,
-    language: Language,
-) -> bool {
-    let title = format!(
-        "{} {}: {}",
-        text::LEVEL.of(language),
-        level.number,
-        local(&level.title, language)
-    );
-    let shown = look::card(chosen).show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        ui.horizontal_wrapped(|ui| {
-            ui.strong(&title);
-            if let Some(why) = locked {
-                let locked = format!("{}: {}", text::LOCKED.of(language), local(why, language));
-                ui.label(look::quiet(locked).color(look::BAD));
-            }
-        });
-        ui.label(look::quiet(local(&level.summary, language)));
-        if chosen {
-            let tools = level.tools.iter().map(|tool| local(&tool.title, language));
-            let tools = tools.collect::<Vec<_>>().join(", ");
-            ui.label(look::quiet(format!(
-                "{}: {tools}",
-                text::INSTRUMENTS.of(language)
-            )));
-        }
-    });
-    if scrolls {
-        shown.response.scroll_to_me(None);
-    }
-    is_pressed(ui, &shown.response, &title)
-}
-
-/// Whether a card was clicked, or chosen by keyboard.
-fn is_pressed(ui: &Ui, card: &egui::Response, name: &str) -> bool {
-    let response = ui.interact(card.rect, card.id.with(name), Sense::click());
-    response
-        .on_hover_cursor(egui::CursorIcon::PointingHand)
-        .clicked()
 }

@@ -15,6 +15,7 @@
 //! - `scope`: the microscope, by keys.
 //! - `field`: the picture, drawn by the crate `render` into a texture that `blit` copies into the window.
 //! - `desk`: which screen is shown: `launcher`, `training` with `panels` beside the picture, `debrief` with `plot`, `replay`, `records`.
+//! - `launcher`: modules and levels as `cards`, with pictures of a `gallery`, of [`LevelPictures`].
 //! - `replay`: a recorded session, with `console` around its picture and `timeline` below it; `player` computes it in a thread of its own,
 //!   with the states `nearby` in memory.
 //! - `device`: the graphics device under the window, had back where the driver loses it.
@@ -35,6 +36,7 @@ mod appearance;
 mod attempts;
 mod blit;
 mod canvas;
+mod cards;
 mod choice;
 mod console;
 mod copies;
@@ -47,11 +49,13 @@ mod field;
 mod film;
 mod film_row;
 mod films;
+mod gallery;
 mod ghost;
 mod hands;
 mod launcher;
 mod learning;
 mod ledger;
+mod level_pictures;
 mod live;
 mod look;
 mod nearby;
@@ -88,6 +92,7 @@ pub use ledger::{
     Debrief, Done, Job, Learning, Ledger, Participant, Percentile, Person, Role, Selection,
     StandingRow, StepState, Work,
 };
+pub use level_pictures::{LevelPictures, PictureFile};
 pub use live::SHOWN;
 pub use references::{Motion, ReadTrack, Reference, References};
 pub use station::{

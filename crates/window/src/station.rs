@@ -3,6 +3,7 @@
 use crate::copies::LevelCopies;
 use crate::films::Films;
 use crate::ledger::{Debrief, Ledger};
+use crate::level_pictures::LevelPictures;
 use crate::references::References;
 use microsim_host::playback::{Moment, Playback, Standing};
 use microsim_host::run::{Operator, RunOutcome};
@@ -71,7 +72,7 @@ pub struct TraineeEntry {
 }
 
 /// A place to train at.
-pub trait Station: Ledger + LevelCopies + Films + References {
+pub trait Station: Ledger + LevelCopies + Films + References + LevelPictures {
     /// What can be trained.
     fn catalogue(&self) -> Catalogue;
 

@@ -11,6 +11,7 @@ use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, ToolEntry, Trai
 use crate::steering;
 use eframe::egui::epaint::ClippedShape;
 use eframe::egui::{self, Event, Key, Pos2, RawInput, Rect, Shape, Ui, vec2};
+use launcher::Album;
 use microsim_controller::{Kind, Presence, Seen};
 use microsim_message::{
     CategoryScore, LevelEvent, LevelPhase, LevelState, LimitRecord, LocalText, MetricRecord, Pose,
@@ -25,6 +26,7 @@ use std::path::PathBuf;
 mod appearance;
 mod contrast;
 mod editor;
+mod launcher;
 pub(crate) mod player;
 mod records;
 mod replay;
@@ -199,11 +201,21 @@ fn renderer() -> RendererConfig {
 }
 
 fn show_launcher(ui: &mut Ui, launcher: &mut Launcher, language: Language) -> Option<Wanted> {
+    show_launcher_with(ui, launcher, language, &Album::default())
+}
+
+fn show_launcher_with(
+    ui: &mut Ui,
+    launcher: &mut Launcher,
+    language: Language,
+    album: &Album,
+) -> Option<Wanted> {
     let (catalogue, trainees) = (catalogue(), trainees());
     let offer = Offer {
         catalogue: &catalogue,
         trainees: &trainees,
         locked: &|choice| (choice.level > 2).then(|| words(6)),
+        pictures: album,
     };
     launcher.show(ui, &offer, language)
 }
@@ -283,6 +295,7 @@ fn the_launcher_goes_through_variants() {
         catalogue: &catalogue,
         trainees: &trainees,
         locked: &|_| None,
+        pictures: &Album::default(),
     };
     let mut launcher = Launcher::default();
     let mut seen = Vec::new();

@@ -7,6 +7,7 @@ mod files;
 mod graph;
 mod limits;
 mod modules;
+mod pictures;
 mod rust;
 mod sources;
 mod training_modules;

@@ -29,6 +29,7 @@ impl Repository {
             ),
             ("modules/hold/levels/level1.toml", "level"),
             ("modules/hold/scripts/level1-pass.toml", "script"),
+            ("modules/hold/pictures/level1.png", "a picture"),
             ("modules/hold/README.md", "read me"),
             ("modules/no-package/module.toml", ""),
             ("config/host.toml", "host"),
@@ -88,7 +89,7 @@ fn files_below(folder: &Path) -> Vec<String> {
 #[test]
 fn the_tree_holds_what_runs_and_nothing_else() {
     let repository = Repository::new();
-    assert_eq!(repository.assemble(), Ok((11, 0)));
+    assert_eq!(repository.assemble(), Ok((12, 0)));
     let mut expected = vec![
         "assets/recordings/a.csv".to_owned(),
         "config/host.toml".into(),
@@ -97,6 +98,7 @@ fn the_tree_holds_what_runs_and_nothing_else() {
         "modules/hold/levels/level1.toml".into(),
         format!("modules/hold/{}", library_file("a_hold")),
         "modules/hold/module.toml".into(),
+        "modules/hold/pictures/level1.png".into(),
         "modules/hold/scripts/level1-pass.toml".into(),
         format!("plugins/objects/{}", library_file("an_objects")),
         "plugins/objects/look/grid.csv".into(),
@@ -134,8 +136,8 @@ fn what_is_gone_from_the_repository_goes_from_the_tree() {
     fs::remove_dir_all(repository.path("modules/hold")).unwrap();
     let library = format!("modules/hold/{}", library_file("a_hold"));
     repository.write("tree/installed.b3", &format!("0123  {library}\n"));
-    // Five files of the module, config/host.toml and look/grid.csv.
-    assert_eq!(repository.assemble(), Ok((2, 7)));
+    // Six files of the module, config/host.toml and look/grid.csv.
+    assert_eq!(repository.assemble(), Ok((2, 8)));
     assert!(!repository.tree().join("modules/hold").exists());
     assert_eq!(
         repository.in_tree("config/host.toml/part.toml").unwrap(),
