@@ -52,6 +52,7 @@ mod hands;
 mod launcher;
 mod learning;
 mod ledger;
+mod left_films;
 mod live;
 mod look;
 mod nearby;
@@ -77,6 +78,7 @@ mod threads;
 mod timeline;
 mod training;
 mod upkeep;
+mod views;
 mod work;
 
 pub use copies::{Changes, LevelCopies};

@@ -195,6 +195,7 @@ fn renderer() -> RendererConfig {
         height: 64,
         caption: None,
         mirrored: false,
+        views: Vec::new(),
     }
 }
 
