@@ -65,6 +65,7 @@ mod trainees;
 mod tune;
 mod upkeep;
 mod version;
+mod views;
 mod window;
 mod working_step;
 mod zone;

@@ -6,6 +6,7 @@ use crate::progress::Progress;
 use crate::run::{picture_plan, refuse_old_pictures};
 use crate::session_file::{find, installation, open};
 use crate::station;
+use crate::views;
 use microsim_host::assemble::{Installation, differences, locate, renderer_for};
 use microsim_host::plan::PluginKind;
 use microsim_host::record::{Session, Signatures, hex};
@@ -32,8 +33,13 @@ pub fn replay(place: &Place, args: &ReplayArgs) -> Result<Exit, Problem> {
         .as_ref()
         .map(|folder| picture_plan(&installation, folder, args.frame_rate, plan.tick_ns));
     let draws = plan.plugins.iter().any(|p| p.kind == PluginKind::Renderer);
-    let renderer = match pictures.is_some() && !draws {
-        true => Some(renderer_for(&installation, plan, None)?),
+    views::check(&args.view)?;
+    let renderer = match pictures.is_some() && (!draws || !args.view.is_empty()) {
+        true => {
+            let mut renderer = renderer_for(&installation, plan, None)?;
+            renderer.show(&args.view)?;
+            Some(renderer)
+        }
         false => None,
     };
     args.frames.as_deref().map_or(Ok(()), refuse_old_pictures)?;

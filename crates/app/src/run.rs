@@ -14,10 +14,11 @@ use crate::report::{summary, write_beside, write_page};
 use crate::session_file::{installation, is_session, read_around, report_of, verdict_word};
 use crate::sessions::files_beside;
 use crate::station;
+use crate::views;
 use microsim_host::Checkpoint;
 use microsim_host::assemble::{Installation, Request, assemble};
 use microsim_host::picture::{PicturePlan, PictureReport, PictureTimes};
-use microsim_host::plan::RunPlan;
+use microsim_host::plan::{PluginKind, RunPlan};
 use microsim_host::run::{Realtime, RunOptions, RunOutcome, run as run_plan};
 use microsim_message::{decode_bytes, encode};
 use microsim_report::{Page, Report};
@@ -102,7 +103,8 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
         )
         .into());
     }
-    let plan = assemble(
+    views::check(&args.view)?;
+    let mut plan = assemble(
         &installation,
         &Request {
             module: args.module.clone(),
@@ -116,6 +118,10 @@ pub fn run(place: &Place, args: &RunArgs) -> Result<Exit, Problem> {
             session: session.clone(),
         },
     )?;
+    let renderers = plan.plugins.iter_mut();
+    for renderer in renderers.filter(|p| p.kind == PluginKind::Renderer && !args.view.is_empty()) {
+        renderer.show(&args.view)?;
+    }
     if args.explain {
         return explain(&installation, &plan, args.json);
     }

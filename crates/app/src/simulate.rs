@@ -14,6 +14,7 @@ use crate::progress::Progress;
 use crate::replace_file;
 use crate::run::refuse_old_pictures;
 use crate::scene_file::{SceneFile, find};
+use crate::views;
 use cpu::cpu_seconds;
 use document::{Result as Outcome, document};
 use frames::Frames;
@@ -29,6 +30,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
     let given = args.scene.as_ref().ok_or(
         "no scene: name it before the options, as in `microsim simulate cantilever --json result.json`",
     )?;
+    views::check_of_scene(&args.view)?;
     let path = find(place, given)?;
     let mut scene = SceneFile::open(&path, &args.set, &args.without)?;
     for warning in &scene.warnings {
@@ -67,7 +69,7 @@ pub fn simulate(place: &Place, args: &SimulateArgs) -> Result<Exit, Problem> {
         None => None,
     };
     let mut pictures = match &args.frames {
-        Some(folder) => Some(Pictures::new(folder, &scene)?),
+        Some(folder) => Some(Pictures::new(folder, &scene, &args.view)?),
         None => None,
     };
     let progress = Progress::new();

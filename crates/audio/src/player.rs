@@ -11,7 +11,7 @@ use std::ffi::CString;
 use std::io::{BufReader, Cursor, Read};
 use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -29,77 +29,150 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Gives the reason to whoever is to have it, once.
+fn inform(failed: &Mutex<Option<impl FnOnce(String)>>, why: String) {
+    let failed = lock(failed).take();
+    if let Some(failed) = failed {
+        failed(why);
+    }
+}
+
 fn bytes(milliseconds: u32) -> u32 {
     RATE / 1000 * milliseconds * SAMPLE as u32
 }
 
-/// Plays tones until it is dropped.
+/// The connection to a server, as far as it has come.
+#[derive(Debug, Default)]
+struct Line {
+    socket: Option<UnixStream>,
+    /// Whether samples are played.
+    is_open: bool,
+    /// Whether nobody plays any more.
+    is_left: bool,
+}
+
+/// Plays tones until it is dropped. A server is opened in the thread that plays: one that does not answer delays nobody.
 #[derive(Debug)]
 pub struct Player {
     mixer: Arc<Mutex<Mixer>>,
-    socket: UnixStream,
+    line: Arc<Mutex<Line>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Player {
-    /// Opens the audio server of the user.
-    ///
-    /// # Errors
-    /// Why there is none, or that it has no device.
-    pub fn open(volume: f64) -> Result<Self, String> {
-        let socket = pulseaudio::socket_path_from_env()
-            .ok_or("no audio server (PulseAudio, PipeWire) of this user runs")?;
-        let cookie = pulseaudio::cookie_path_from_env();
-        let cookie = cookie.and_then(|path| std::fs::read(path).ok());
-        Self::open_at(&socket, cookie.unwrap_or_default(), volume)
-    }
-
-    /// Opens the audio server that listens at a path.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open).
-    pub fn open_at(path: &Path, cookie: Vec<u8>, volume: f64) -> Result<Self, String> {
-        Self::connect(path, cookie, volume)
-            .map_err(|error| format!("the audio server at {}: {error}", path.display()))
-    }
-
-    fn connect(path: &Path, cookie: Vec<u8>, volume: f64) -> Result<Self, ProtocolError> {
-        let socket = UnixStream::connect(path)?;
-        socket.set_read_timeout(Some(PATIENCE))?;
-        socket.set_write_timeout(Some(PATIENCE))?;
-        let mut server = BufReader::new(socket.try_clone()?);
-        let stream = greet(&mut server, cookie)?;
-        // From here on the server asks for samples whenever it likes.
-        socket.set_read_timeout(None)?;
-        let mixer = Arc::new(Mutex::new(Mixer::new(volume)));
-        let played = Arc::clone(&mixer);
-        let play = move || match serve(&mut server, &stream, &played) {
-            // The socket is closed when nobody plays any more.
-            Ok(()) => {}
-            Err(error) => tracing::warn!("no more tones: the audio server: {error}"),
+    /// Opens the audio server of the user. Where that fails, `failed` is given the reason, in the thread that plays: there is none, it does not answer, it has no device.
+    pub fn open(volume: f64, failed: impl FnOnce(String) + Send + 'static) -> Self {
+        let place = || {
+            let socket = pulseaudio::socket_path_from_env()
+                .ok_or("no audio server (PulseAudio, PipeWire) of this user runs")?;
+            let cookie = pulseaudio::cookie_path_from_env();
+            let cookie = cookie.and_then(|path| std::fs::read(path).ok());
+            Ok((socket, cookie.unwrap_or_default()))
         };
-        let thread = thread::Builder::new().name("audio".into()).spawn(play)?;
-        Ok(Self {
-            mixer,
-            socket,
-            thread: Some(thread),
-        })
+        Self::start(place, volume, failed)
     }
 
-    /// Plays a tone.
+    /// Opens the audio server that listens at a path; else as [`open`](Self::open).
+    pub fn open_at(
+        path: &Path,
+        cookie: Vec<u8>,
+        volume: f64,
+        failed: impl FnOnce(String) + Send + 'static,
+    ) -> Self {
+        let place = (path.to_path_buf(), cookie);
+        Self::start(move || Ok(place), volume, failed)
+    }
+
+    fn start(
+        place: impl FnOnce() -> Result<(PathBuf, Vec<u8>), String> + Send + 'static,
+        volume: f64,
+        failed: impl FnOnce(String) + Send + 'static,
+    ) -> Self {
+        let mixer = Arc::new(Mutex::new(Mixer::new(volume)));
+        let line = Arc::new(Mutex::new(Line::default()));
+        let (played, seat) = (Arc::clone(&mixer), Arc::clone(&line));
+        // For the thread, or where there is none.
+        let failed = Arc::new(Mutex::new(Some(failed)));
+        let informed = Arc::clone(&failed);
+        let play = move || match place().and_then(|(path, cookie)| {
+            let named = |error| format!("the audio server at {}: {error}", path.display());
+            connect(&path, cookie, &seat).map_err(named)
+        }) {
+            Err(why) => {
+                // One that was left is ended by that.
+                if !lock(&seat).is_left {
+                    inform(&informed, why);
+                }
+            }
+            Ok(None) => {}
+            Ok(Some((mut server, stream))) => {
+                // The socket is closed when nobody plays any more.
+                if let Err(error) = serve(&mut server, &stream, &played) {
+                    tracing::warn!("no more tones: the audio server: {error}");
+                }
+            }
+        };
+        let thread = thread::Builder::new().name("audio".into()).spawn(play);
+        let thread = thread.map_err(|error| inform(&failed, format!("no thread: {error}")));
+        Self {
+            mixer,
+            line,
+            thread: thread.ok(),
+        }
+    }
+
+    /// Whether a server takes tones.
+    pub fn is_open(&self) -> bool {
+        lock(&self.line).is_open
+    }
+
+    /// Plays a tone; none is played later that came before a server was open.
     pub fn play(&self, tone: Tone) {
-        lock(&self.mixer).play(tone);
+        if self.is_open() {
+            lock(&self.mixer).play(tone);
+        }
     }
 }
 
 impl Drop for Player {
     fn drop(&mut self) {
+        let mut line = lock(&self.line);
+        line.is_left = true;
         // A server that is gone has closed it.
-        let _ = self.socket.shutdown(Shutdown::Both);
-        if let Some(thread) = self.thread.take() {
+        let is_connected = line
+            .socket
+            .as_ref()
+            .map(|socket| socket.shutdown(Shutdown::Both));
+        drop(line);
+        // One that has not even taken the connection is not waited for; its thread ends after that.
+        if let (Some(_), Some(thread)) = (is_connected, self.thread.take()) {
             let _ = thread.join();
         }
     }
+}
+
+/// A server with a stream of its own; `None` where it was left meanwhile.
+fn connect(
+    path: &Path,
+    cookie: Vec<u8>,
+    line: &Mutex<Line>,
+) -> Result<Option<(BufReader<UnixStream>, Stream)>, ProtocolError> {
+    let socket = UnixStream::connect(path)?;
+    socket.set_read_timeout(Some(PATIENCE))?;
+    socket.set_write_timeout(Some(PATIENCE))?;
+    let mut server = BufReader::new(socket.try_clone()?);
+    {
+        let mut line = lock(line);
+        if line.is_left {
+            return Ok(None);
+        }
+        line.socket = Some(socket.try_clone()?);
+    }
+    let stream = greet(&mut server, cookie)?;
+    // From here on the server asks for samples whenever it likes.
+    socket.set_read_timeout(None)?;
+    lock(line).is_open = true;
+    Ok(Some((server, stream)))
 }
 
 /// A stream of the server.

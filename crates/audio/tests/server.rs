@@ -2,8 +2,10 @@
 
 use microsim_audio::{Player, RATE, Tone};
 use std::io::Read;
+use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// A process that ends with this value.
@@ -79,7 +81,9 @@ fn a_tone_arrives_sample_by_sample() {
         return;
     };
     let socket = folder.path().join("socket");
-    let player = wait_for("server", || Player::open_at(&socket, Vec::new(), 0.5).ok());
+    wait_for("socket", || socket.exists().then_some(()));
+    let player = Player::open_at(&socket, Vec::new(), 0.5, |why| panic!("{why}"));
+    wait_for("server", || player.is_open().then_some(()));
     let mut monitor = monitor(folder.path()).expect("parec starts");
     let before = samples(&mut monitor, 0.3);
     assert!(before.iter().all(|s| *s == 0.0), "silence before");
@@ -117,20 +121,62 @@ fn has(program: &str) -> bool {
     version.status().is_ok_and(|status| status.success())
 }
 
-/// Where nobody listens there is one sentence, and none where a server ends while it plays.
+/// Opens what listens at a path, and where the reason comes if it fails.
+fn opened(socket: &Path) -> (Player, Receiver<String>) {
+    let (sender, reasons) = channel();
+    let failed = move |why| sender.send(why).expect("somebody asks");
+    (Player::open_at(socket, Vec::new(), 0.5, failed), reasons)
+}
+
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Where nobody listens there is one sentence, and one where a server leaves before it has answered.
 #[test]
 fn a_server_that_is_not_there_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let socket = folder.path().join("socket");
-    let why = Player::open_at(&socket, Vec::new(), 0.5).expect_err("nobody listens");
+    let (player, reasons) = opened(&socket);
+    let why = reasons.recv_timeout(PATIENCE).expect("nobody listens");
     assert!(
         why.contains(&socket.display().to_string()) && !why.contains('\n'),
         "{why}"
     );
+    assert!(!player.is_open());
+    // What asks for tones need not know.
+    player.play(Tone::Cut);
     // One that takes the connection and leaves.
-    let listener = std::os::unix::net::UnixListener::bind(&socket).expect("a socket");
+    let listener = UnixListener::bind(&socket).expect("a socket");
     let leave = std::thread::spawn(move || drop(listener.accept()));
-    let why = Player::open_at(&socket, Vec::new(), 0.5).expect_err("it has left");
+    let (_player, reasons) = opened(&socket);
+    let why = reasons.recv_timeout(PATIENCE).expect("it has left");
     assert!(why.contains(&socket.display().to_string()), "{why}");
     leave.join().expect("it has left");
+}
+
+/// A server that accepts and never answers delays nobody: the call returns before it has read a byte of what it is asked, and so does leaving it. The reason comes later, where nobody left.
+#[test]
+fn a_server_that_never_answers_delays_nobody() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let socket = folder.path().join("socket");
+    let listener = UnixListener::bind(&socket).expect("a socket");
+    let (player, reasons) = opened(&socket);
+    // It accepts only now, so nothing was answered before.
+    let (mut peer, _) = listener.accept().expect("a connection");
+    assert!(!player.is_open());
+    player.play(Tone::Cut);
+    let mut asked = [0; 1];
+    peer.read_exact(&mut asked).expect("it is asked who it is");
+    drop(player);
+    // Whoever left has closed the connection: what comes ends, and nobody is informed.
+    peer.read_to_end(&mut Vec::new()).expect("an end");
+    assert_eq!(
+        reasons.recv_timeout(PATIENCE),
+        Err(RecvTimeoutError::Disconnected)
+    );
+
+    let (player, reasons) = opened(&socket);
+    let _peer = listener.accept().expect("a connection");
+    let why = reasons.recv_timeout(PATIENCE).expect("it gives up");
+    assert!(why.contains(&socket.display().to_string()), "{why}");
+    assert!(!player.is_open());
 }

@@ -470,6 +470,7 @@ pub fn probe_renderer(installation: &Installation) -> Result<(), String> {
         height: 16,
         caption: None,
         mirrored: false,
+        views: Vec::new(),
     };
     probe(installation, RENDERER, config_value(&config), Vec::new())
 }

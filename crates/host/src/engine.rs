@@ -13,7 +13,8 @@ use abi_stable::std_types::{ROption, RResult, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, Fault, Output, PluginBox, STATE_HASHED};
 use microsim_bus::{Block, EndpointId, Frames, HOST, Limits, Router, kind_id};
 use microsim_message::{
-    DesktopInput, InputSample, LevelControl, Message, MicroscopeView, core_kinds, decode, encode,
+    DesktopInput, InputSample, LevelControl, Message, MicroscopeView, TISSUE_FIELDS, core_kinds,
+    decode, decode_bytes, encode,
 };
 use microsim_session::{Chain, digest};
 use serde::{Deserialize, Serialize};
@@ -127,6 +128,8 @@ pub struct Engine {
     chain: Chain,
     plan: Hash,
     parallel: Option<Parallel>,
+    /// What failed between two ticks, where nobody could be informed of it.
+    failure: Option<Failure>,
 }
 
 /// Digest of all in a plan that decides what is computed: not where libraries lie, nor how they were built, nor what
@@ -202,6 +205,7 @@ impl Engine {
             chain: Chain::from_value(digest),
             plan: digest,
             parallel,
+            failure: None,
         };
         engine.initialise(plan)?;
         Ok(engine)
@@ -264,8 +268,41 @@ impl Engine {
         self.router.blocks()
     }
 
+    /// What pictures of the computation show of bodies as they are now, by the ability `tissue.fields` of the physics. Nothing of it is published or recorded. A plugin that
+    /// fails in it makes the next tick fail.
+    pub fn fields(&mut self) -> Vec<Block> {
+        let physics = self
+            .plugins
+            .iter()
+            .filter(|p| p.kind == PluginKind::Physics);
+        let names: Vec<String> = physics.map(|p| p.name.clone()).collect();
+        let mut blocks = Vec::new();
+        for name in names {
+            let answer = self
+                .extension(&name, TISSUE_FIELDS, &[])
+                .and_then(|answer| {
+                    let words: Vec<Vec<u64>> = match answer {
+                        Some(answer) => decode_bytes(&answer).map_err(|e| e.to_string()),
+                        None => Ok(Vec::new()),
+                    }
+                    .map_err(|why| Failure::found(&name, "extension", self.tick, why))?;
+                    let found: Result<Vec<Block>, _> =
+                        words.iter().map(|of| Block::new(of)).collect();
+                    found.map_err(|e| Failure::found(&name, "extension", self.tick, e.to_string()))
+                });
+            match answer {
+                Ok(found) => blocks.extend(found),
+                Err(failure) => self.failure = Some(failure),
+            }
+        }
+        blocks
+    }
+
     /// One tick. After a failure the engine must not be ticked again.
     pub fn tick(&mut self, feed: Feed<'_>) -> Result<TickOutput, Failure> {
+        if let Some(failure) = self.failure.take() {
+            return Err(failure);
+        }
         let tick = self.tick;
         let time_ns = (tick + 1) * self.tick_ns;
         match feed {

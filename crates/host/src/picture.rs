@@ -1,6 +1,7 @@
 //! Pictures: the renderer on a thread of its own, on the latest snapshot, at its own rate. Nothing comes back into the
 //! run.
 
+use crate::engine::Engine;
 use crate::error::RunError;
 use crate::fault::Failure;
 use crate::loader::load;
@@ -10,7 +11,7 @@ use abi_stable::std_types::{ROption, RSlice};
 use microsim_abi::{Block as AbiBlock, Call, PluginBox};
 use microsim_bus::{Block, Frames, kind_id};
 use microsim_message::{PictureRequest, encode, push};
-use microsim_settings::unwritable;
+use microsim_settings::{RendererConfig, unwritable};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -81,6 +82,8 @@ pub struct Pictures {
     written: Arc<AtomicU64>,
     left_out: u64,
     wait: bool,
+    /// Whether they show what has to be asked for.
+    shows_fields: bool,
 }
 
 impl Pictures {
@@ -93,6 +96,8 @@ impl Pictures {
         wait: bool,
     ) -> Result<Self, std::io::Error> {
         std::fs::create_dir_all(&plan.folder)?;
+        // A configuration that it cannot read is refused by the renderer, which is asked next.
+        let config: Option<RendererConfig> = planned.setup.configuration().ok();
         let (jobs, queue) = sync_channel(QUEUE);
         let setup = encode(&planned.setup);
         let name = planned.name.clone();
@@ -110,17 +115,12 @@ impl Pictures {
             written,
             left_out: 0,
             wait,
+            shows_fields: config.is_some_and(|config| config.surface_view().is_some()),
         })
     }
 
     /// Takes over the messages of a tick and asks for a picture where one is due.
-    pub fn handle(
-        &mut self,
-        tick: u64,
-        tick_ns: u64,
-        log: &[u8],
-        blocks: impl FnOnce() -> Vec<Block>,
-    ) {
+    pub fn handle(&mut self, tick: u64, tick_ns: u64, log: &[u8], engine: &mut Engine) {
         let _span = tracing::debug_span!("pictures").entered();
         for frame in Frames::new(log).filter_map(Result::ok) {
             if self.wanted.contains(&frame.header.kind) {
@@ -139,12 +139,16 @@ impl Pictures {
                 file: file.to_string_lossy().into_owned(),
             },
         );
+        let mut blocks = engine.blocks();
+        if self.shows_fields {
+            blocks.extend(engine.fields());
+        }
         let job = Job {
             tick,
             time_ns: (tick + 1) * tick_ns,
             tick_ns,
             messages,
-            blocks: blocks(),
+            blocks,
         };
         let sent = if self.wait {
             jobs.send(job).map_err(|_| TrySendError::Disconnected(()))

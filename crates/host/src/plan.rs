@@ -4,8 +4,8 @@ pub use microsim_vocabulary::PluginKind;
 
 use crate::guest::GuestRules;
 use microsim_bus::{KindInfo, Limits};
-use microsim_message::{LocalText, Setup};
-use microsim_settings::LevelPart;
+use microsim_message::{DecodeError, LocalText, Setup, config_value};
+use microsim_settings::{DebugView, LevelPart, RendererConfig};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -166,6 +166,19 @@ pub struct RunPlan {
     pub plugins: Vec<PlannedPlugin>,
     /// Everything else.
     pub parts: Vec<PlannedPart>,
+}
+
+impl PlannedPlugin {
+    /// Lays these over the pictures of a renderer, in the place of those that it was given.
+    ///
+    /// # Errors
+    /// If it is none.
+    pub fn show(&mut self, views: &[DebugView]) -> Result<(), DecodeError> {
+        let mut config: RendererConfig = self.setup.configuration()?;
+        config.views = views.to_vec();
+        self.setup.config = config_value(&config);
+        Ok(())
+    }
 }
 
 impl RunPlan {

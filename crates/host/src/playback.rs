@@ -103,6 +103,8 @@ pub struct Playback<R> {
     messages: Messages,
     checkpoints: Vec<Saved>,
     memory: usize,
+    /// Whether states have what pictures of the computation show.
+    shows_fields: bool,
     /// Ticks from one checkpoint to the next.
     spacing: u64,
     standing: Standing,
@@ -154,6 +156,7 @@ impl<R: Read + Seek> Playback<R> {
             messages: Messages::new(),
             checkpoints: Vec::new(),
             memory: options.memory,
+            shows_fields: false,
             spacing: (SPACING_NS / plan.tick_ns.max(1)).max(1),
             standing: Standing {
                 compared: first,
@@ -204,6 +207,11 @@ impl<R: Read + Seek> Playback<R> {
         self.checkpoints.iter().map(|saved| saved.bytes).sum()
     }
 
+    /// From the next tick on, states have what pictures of the computation show of bodies, or have it no longer.
+    pub fn show_fields(&mut self, shows: bool) {
+        self.shows_fields = shows;
+    }
+
     /// Computes and compares a tick, and gives the state after it; `None` behind the last one.
     ///
     /// # Errors
@@ -234,7 +242,10 @@ impl<R: Read + Seek> Playback<R> {
                 return Ok(None);
             }
         };
-        let blocks = engine.blocks();
+        let mut blocks = engine.blocks();
+        if self.shows_fields {
+            blocks.extend(engine.fields());
+        }
         for frame in Frames::new(&computed.log).filter_map(Result::ok) {
             if self.shown.contains(&frame.header.kind) {
                 let mut bytes = Vec::new();

@@ -142,7 +142,7 @@ fn recompute<R: Read>(
             Err(difference) => Some(difference),
             Ok(computed) => {
                 if let Some(pictures) = pictures {
-                    pictures.handle(tick, plan.tick_ns, &computed.log, || engine.blocks());
+                    pictures.handle(tick, plan.tick_ns, &computed.log, engine);
                 }
                 computed.difference
             }

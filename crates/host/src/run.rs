@@ -89,10 +89,15 @@ pub struct Seen<'a> {
     pub lateness: f64,
     /// Ticks that began late so far.
     pub late_ticks: u64,
-    engine: &'a Engine,
+    engine: &'a mut Engine,
 }
 
 impl Seen<'_> {
+    /// What pictures of the computation show of bodies: computed where it is asked for, and neither published nor recorded.
+    pub fn fields(&mut self) -> Vec<Block> {
+        self.engine.fields()
+    }
+
     /// The latest blocks: shared, not copied.
     pub fn blocks(&self) -> Vec<Block> {
         self.engine.blocks()
@@ -470,7 +475,7 @@ impl RunLoop<'_> {
             self.add_values(None)?;
         }
         if let Some(pictures) = self.pictures {
-            pictures.handle(tick, plan.tick_ns, &output.log, || self.engine.blocks());
+            pictures.handle(tick, plan.tick_ns, &output.log, self.engine);
         }
         Ok(())
     }

@@ -2,11 +2,11 @@
 //! checkpoints, and what a misbehaving plugin leads to.
 
 use microsim_abi::PluginBox;
-use microsim_bus::{Frames, Limits, kind_id};
+use microsim_bus::{BlockBuilder, Frames, Limits, kind_id};
 use microsim_host::parallel::Parallel;
 use microsim_host::plan::{OwnKind, PlannedPlugin, PluginKind, RunPlan};
 use microsim_host::{Engine, Failure, Feed};
-use microsim_message::{LocalText, Message, decode, decode_bytes, encode};
+use microsim_message::{LocalText, Message, TISSUE_FIELDS, decode, decode_bytes, encode};
 use microsim_sdk::{Fault, Plugin, RandomStream, Services, Setup, Tick, export::create};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -119,6 +119,16 @@ impl Plugin for Adder {
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
         self.sum = decode_bytes(state)?;
         Ok(())
+    }
+    fn extension(&mut self, name: &str, _: &[u8]) -> Result<Option<Vec<u8>>, Fault> {
+        match (name, self.sum > 0.0) {
+            (TISSUE_FIELDS, false) => Err(Fault::new("nothing was added yet")),
+            (TISSUE_FIELDS, true) => {
+                let block = BlockBuilder::new(TISSUE_FIELDS, "sum", 0, 0);
+                Ok(Some(encode(&[block.f64s("sum", [self.sum]).finish()])))
+            }
+            _ => Ok(None),
+        }
     }
 }
 
@@ -297,6 +307,37 @@ fn extensions_are_asked_for_by_name() {
     assert_eq!(engine.extension("counter", "draft.unknown", b""), Ok(None));
     assert_eq!(engine.extension("adder", "counter.echo", b""), Ok(None));
     assert_eq!(engine.extension("nobody", "counter.echo", b""), Ok(None));
+}
+
+/// What the physics knows of bodies is there when it is asked for, and a run in which it was asked for has the hash of one in which it was not. A plugin that fails in it does not
+/// stay away from later ticks unnoticed: the next one fails with its name.
+#[test]
+fn fields_are_asked_for_and_change_nothing() {
+    let (mut asked, mut other) = (engine(1), engine(1));
+    run(&mut asked, 3);
+    run(&mut other, 3);
+    let fields = asked.fields();
+    let [fields] = fields.as_slice() else {
+        panic!("{fields:?}");
+    };
+    assert_eq!(fields.view().kind(), kind_id(TISSUE_FIELDS));
+    assert!(fields.view().f64s("sum").is_some_and(|sum| sum[0] > 0.0));
+    assert_eq!(asked.blocks(), other.blocks());
+    assert_eq!(run(&mut asked, 5), run(&mut other, 5));
+
+    let mut failing = engine(1);
+    assert!(
+        failing.fields().is_empty(),
+        "it has none before its first tick"
+    );
+    let failure = failing
+        .tick(Feed::Live { control: &[] })
+        .expect_err("it failed");
+    assert_eq!(
+        (failure.plugin.as_str(), failure.call.as_str()),
+        ("adder", "extension")
+    );
+    assert!(failure.text.contains("nothing was added yet"), "{failure}");
 }
 
 #[test]

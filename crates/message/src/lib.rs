@@ -61,6 +61,11 @@ pub const TISSUE_REST: &str = "tissue.rest";
 /// a run whose module subscribes to it.
 pub const TISSUE_ELEMENTS: &str = "tissue.elements";
 
+/// Kind of the blocks that carry what pictures of the computation show of a body, of each node of the snapshot of the same tick: `von_mises` (f64, Pa, the mean of the elements
+/// at it by their volumes at rest; missing where no element is a continuum), `quality` (f64, the least of the elements at it now, 1 of a regular tetrahedron, below 0 inside
+/// out) and `remedy` (u32, the bits of [`Remedy`](microsim_vocabulary::Remedy)). Never published: whoever draws such pictures asks the physics for them by the ability of this name.
+pub const TISSUE_FIELDS: &str = "tissue.fields";
+
 /// Every kind that the platform itself brings.
 pub fn core_kinds() -> Vec<KindInfo> {
     vec![

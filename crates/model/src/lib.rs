@@ -1,7 +1,7 @@
 //! Models and textures of virtual objects from files: bytes in, triangle lists with normals, texture coordinates and a hierarchy of nodes out.
 //!
 //! [`read`] takes glTF 2.0 (`.glb`, `.gltf`), Wavefront OBJ (`.obj`) and STL (`.stl`, text or binary), [`read_texture`] PNG. The form is that of the name's
-//! ending. Not here: files (the caller gives bytes, also of files that a `.gltf` names, see [`references`]), drawing, units: lengths are as in the file.
+//! ending. [`write_glb`] writes glTF. Not here: files (the caller gives bytes, also of files that a `.gltf` names, see [`references`]), drawing, units: lengths are as in the file.
 //!
 //! # What is read of each form
 //! - **glTF**: scene, nodes with matrices or translation, rotation and scale, triangles as lists, strips and fans with positions, normals and the first
@@ -32,11 +32,13 @@ mod numbers;
 mod obj;
 mod stl;
 mod texture;
+mod write;
 
 pub use affine::Affine;
 pub use error::{Flaw, ModelError};
 pub use mesh::{CREASE, MAX_BYTES, MAX_CORNERS, MAX_NODES, Mask, Model, Node, Part};
 pub use texture::{MAX_TEXTURE, Texture, Wrap, read_texture};
+pub use write::{MaterialToWrite, NodeToWrite, Triangles, write_glb};
 
 use error::flawed;
 

@@ -4,7 +4,7 @@ use crate::image::Image;
 use font8x8::{BASIC_FONTS, LATIN_FONTS, UnicodeFonts};
 
 /// Side of a character in its font \[dots\].
-const SIDE: u32 = 8;
+pub(crate) const SIDE: u32 = 8;
 /// A dot has one pixel for so many of the picture's height.
 const HEIGHT_PER_DOT: u32 = 300;
 /// Around the text \[dots\].
@@ -13,31 +13,67 @@ const MARGIN: u32 = 3;
 const DIMMED: u8 = 4;
 
 impl Image {
+    /// Pixels of a dot of the font.
+    pub(crate) fn dot(&self) -> u32 {
+        (self.height() / HEIGHT_PER_DOT).max(1)
+    }
+
     /// Writes a line in the lower left corner, white on what is dimmed behind it; what does not fit is cut off. Characters beyond Latin 1 are drawn
     /// as a question mark.
     pub fn write_caption(&mut self, text: &str) {
-        let dot = (self.height() / HEIGHT_PER_DOT).max(1);
-        let glyphs: Vec<[u8; 8]> = text.chars().map(glyph).collect();
-        let width = (glyphs.len() as u32 * SIDE + 2 * MARGIN) * dot;
+        let dot = self.dot();
+        let width = (text.chars().count() as u32 * SIDE + 2 * MARGIN) * dot;
         let height = (SIDE + 2 * MARGIN) * dot;
         let top = self.height().saturating_sub(height);
-        for y in 0..height {
-            for x in 0..width {
-                let Some(pixel) = self.pixel_mut(x, top + y) else {
-                    continue;
-                };
-                let is_lit = (x / dot)
-                    .checked_sub(MARGIN)
-                    .zip((y / dot).checked_sub(MARGIN));
-                let is_lit = is_lit.is_some_and(|(column, row)| {
-                    let glyph = glyphs.get((column / SIDE) as usize);
-                    let row = glyph.and_then(|glyph| glyph.get(row as usize));
-                    // The lowest bit is the leftmost dot.
-                    row.is_some_and(|row| row >> (column % SIDE) & 1 == 1)
-                });
-                for channel in pixel {
-                    *channel = if is_lit { u8::MAX } else { *channel / DIMMED };
+        self.dim([0, top], [width, height]);
+        self.write_at([MARGIN * dot, top + MARGIN * dot], text);
+    }
+
+    /// Dims what lies in a box from its upper left corner on \[pixels\].
+    pub(crate) fn dim(&mut self, [left, top]: [u32; 2], [width, height]: [u32; 2]) {
+        self.change([left, top], [width, height], |pixel| {
+            pixel.iter_mut().for_each(|channel| *channel /= DIMMED);
+        });
+    }
+
+    /// Fills a box from its upper left corner on \[pixels\] with a colour, sRGB.
+    pub(crate) fn fill(&mut self, from: [u32; 2], size: [u32; 2], colour: [f32; 3]) {
+        let colour = colour.map(|part| (255.0 * part).round() as u8);
+        self.change(from, size, |pixel| pixel.copy_from_slice(&colour));
+    }
+
+    /// Writes white text from a place on \[dots\].
+    pub(crate) fn write_line(&mut self, place: [u32; 2], text: &str) {
+        let dot = self.dot();
+        self.write_at(place.map(|part| part * dot), text);
+    }
+
+    /// The same from a place in pixels on.
+    fn write_at(&mut self, [left, top]: [u32; 2], text: &str) {
+        let dot = self.dot();
+        for (number, character) in text.chars().enumerate() {
+            let glyph = glyph(character);
+            let left = left + number as u32 * SIDE * dot;
+            for (row, column) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
+                // The lowest bit is the leftmost dot.
+                if glyph[row as usize] >> column & 1 == 1 {
+                    let from = [left + column * dot, top + row * dot];
+                    self.change(from, [dot; 2], |pixel| pixel.fill(u8::MAX));
                 }
+            }
+        }
+    }
+
+    /// Changes the pixels of a box as far as it lies in the picture.
+    fn change(
+        &mut self,
+        [left, top]: [u32; 2],
+        [width, height]: [u32; 2],
+        mut change: impl FnMut(&mut [u8]),
+    ) {
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            if let Some(pixel) = self.pixel_mut(left + x, top + y) {
+                change(pixel);
             }
         }
     }

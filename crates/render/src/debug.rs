@@ -1,16 +1,84 @@
-//! What can be laid over a picture to see what is computed: the mesh of a body, lines of no return, contacts and their forces. Capsules of tools:
+//! What can be laid over a picture to see what is computed: the mesh of a body, lines of no return, contacts and their forces, values in colours. Capsules of tools:
 //! [`snapshot::capsules`](crate::snapshot::capsules).
 
+use microsim_bus::{BlockView, kind_id};
 use microsim_geometry::Pose as Place;
-use microsim_message::{ContactForces, ToolPlacements, ToolStates};
+use microsim_message::{ContactForces, TISSUE_FIELDS, ToolPlacements, ToolStates};
 use microsim_settings::RendererConfig;
-use microsim_vocabulary::Finish;
+use microsim_vocabulary::{DebugView, Finish};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::picture::Item;
+use crate::fields::{Fields, surfaces};
+use crate::legend::Legend;
+use crate::picture::{Item, Picture};
 use crate::shape::Shape;
-use crate::snapshot::{place, seen};
+use crate::snapshot::{capsules, place, seen};
 use crate::tissue::Tissue;
+
+/// Radius of the edges of a mesh, in diameters of the field.
+const EDGE: f64 = 1e-3;
+
+/// Lays what the configuration asks for over a picture of a tick: of its tools, its contacts and, of kind [`TISSUE_FIELDS`], its blocks. What the colours of surfaces mean, where
+/// they mean anything.
+pub fn overlay<'a>(
+    picture: &mut Picture,
+    config: &RendererConfig,
+    (tools, placements): (&ToolStates, Option<&ToolPlacements>),
+    forces: &ContactForces,
+    blocks: impl Iterator<Item = BlockView<'a>>,
+) -> Option<Legend> {
+    let has = |view| config.views.contains(&view);
+    if has(DebugView::Capsules) {
+        picture.items.extend(capsules(config, tools, placements));
+    }
+    if has(DebugView::NoReturn) {
+        let lines = lines_of_no_return(config, tools, placements);
+        picture.items.extend(lines);
+    }
+    if has(DebugView::Contacts) {
+        picture.items.extend(contacts(forces));
+    }
+    let blocks: Vec<BlockView<'a>> = blocks
+        .filter(|block| block.kind() == kind_id(TISSUE_FIELDS))
+        .collect();
+    let of = |tissue: &Tissue| {
+        let block = blocks.iter().find(|block| block.name() == tissue.body);
+        block.map(Fields::of_block).unwrap_or_default()
+    };
+    bodies(picture, &config.views, of)
+}
+
+/// Lays what concerns bodies alone over a picture: their meshes, and their surfaces in colours of what is known of their nodes.
+pub fn bodies(
+    picture: &mut Picture,
+    views: &[DebugView],
+    of: impl Fn(&Tissue) -> Fields,
+) -> Option<Legend> {
+    if views.contains(&DebugView::Wireframe) {
+        let radius = EDGE * picture.view.field_diameter;
+        let meshes = picture.tissues.iter();
+        picture
+            .items
+            .extend(meshes.map(|tissue| wireframe(tissue, radius)));
+    }
+    let mut views = views.iter().rev().copied();
+    let view = views.find(|view| view.colours_surfaces())?;
+    // In the place of what they look like; that of which nothing is known, as before the first tick, stays as it is.
+    let (mut known, mut others) = (Vec::new(), Vec::new());
+    for tissue in std::mem::take(&mut picture.tissues) {
+        match of(&tissue) {
+            fields if fields == Fields::default() => others.push(tissue),
+            fields => known.push((tissue, fields)),
+        }
+    }
+    picture.tissues = others;
+    if known.is_empty() {
+        return None;
+    }
+    let (items, legend) = surfaces(view, &known);
+    picture.items.extend(items);
+    Some(legend)
+}
 
 /// Length of the arrow of a force \[m/N\]: a millimetre for 10 mN.
 pub const FORCE_SCALE: f64 = 0.1;

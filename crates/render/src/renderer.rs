@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::{Draw, Instance, Source, family_of, mask_of, sort};
 use crate::bodies::Bodies;
+use crate::colour_map;
 use crate::error::RenderError;
 use crate::family::Family;
 use crate::frame::{Frame, encode};
@@ -304,6 +305,7 @@ impl Renderer {
             };
             let (closed, texture) = match &item.shape {
                 Shape::Mesh { .. } => (false, None),
+                Shape::Field { .. } => (false, Some(colour_map::texture())),
                 Shape::Model(model) => (model.is_closed(), model.texture()),
                 _ => (true, None),
             };

@@ -87,6 +87,15 @@ pub enum Shape {
         /// Three indices into `positions` each.
         triangles: Vec<[u32; 3]>,
     },
+    /// The same in the colours of values at its corners, which are multiplied by that of the item.
+    Field {
+        /// Corners \[m\].
+        positions: Vec<[f32; 3]>,
+        /// Three indices into `positions` each.
+        triangles: Vec<[u32; 3]>,
+        /// Of each corner, from 0 to 1, by [`colour_of`](crate::colour_of).
+        values: Vec<f32>,
+    },
 }
 
 /// Triangles that are made once and drawn often, such as a jaw of an instrument. Two are the same if they are copies of one.
@@ -191,9 +200,21 @@ impl Shape {
                 tube,
                 fraction,
             } => lengths_good(&[*radius, *tube]) && (0.0..=1.0).contains(fraction),
+            Self::Field {
+                values, positions, ..
+            } if values.len() != positions.len()
+                || !values.iter().all(|value| (0.0..=1.0).contains(value)) =>
+            {
+                return Some("a value within 0..1 is needed for each corner");
+            }
             Self::Mesh {
                 positions,
                 triangles,
+            }
+            | Self::Field {
+                positions,
+                triangles,
+                ..
             } => {
                 if !positions.iter().flatten().all(|part| part.is_finite()) {
                     return Some("mesh has a corner that is not finite");

@@ -290,6 +290,7 @@ radius = "0.5 mm"
             width: 64,
             height: 32,
             mirrored: false,
+            views: Vec::new(),
             caption: None,
         }
     }

@@ -179,7 +179,7 @@ fn common(item: &Item) -> Option<Item> {
             radius_a,
             radius_b,
         } => Some(along(*a, *b, *radius_a, *radius_b)),
-        Shape::Mesh { .. } => None,
+        Shape::Mesh { .. } | Shape::Field { .. } => None,
         _ => Some(item.clone()),
     }
 }
@@ -217,7 +217,7 @@ fn key_of(shape: &Shape, level: f64) -> Option<Key> {
         } => key(7, &[*radius, *tube, *fraction]),
         // As fine as it is, on any screen.
         Shape::Model(model) => Some((8, [model.id(), 0, 0, 0, 0])),
-        Shape::Capsule { .. } | Shape::Mesh { .. } => None,
+        Shape::Capsule { .. } | Shape::Mesh { .. } | Shape::Field { .. } => None,
     }
 }
 

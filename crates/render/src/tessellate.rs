@@ -6,6 +6,7 @@
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::colour_map::coordinates;
 use crate::mesh::Mesh;
 use crate::shape::Shape;
 
@@ -77,6 +78,17 @@ impl<'a> Tessellator<'a> {
                 positions,
                 triangles,
             } => self.mesh(positions, triangles),
+            Shape::Field {
+                positions,
+                triangles,
+                values,
+            } => {
+                let first = self.out.details.len();
+                self.mesh(positions, triangles);
+                for (detail, value) in self.out.details[first..].iter_mut().zip(values) {
+                    detail.coordinates = coordinates(*value);
+                }
+            }
         }
     }
 

@@ -7,7 +7,7 @@ mod common;
 
 use common::renderer;
 use microsim_message::{ObjectScene, ObjectState, Pose, Shape as ObjectShape};
-use microsim_render::{Finish, Image, Item, Models, Picture, View};
+use microsim_render::{Finish, Image, Item, Models, Picture, Shape, View, colour_of};
 
 const SIDE: u32 = 400;
 /// Pixels of the square's side.
@@ -371,5 +371,34 @@ fn the_texture_of_an_object_goes_before_that_of_its_model() {
                 }
             }
         }
+    }
+}
+
+/// A square whose value rises from 0 at its left side to 1 at its right one shows the colours of the map where they belong: matte, it faces the microscope in full light.
+#[test]
+fn values_are_seen_in_their_colours() {
+    let Some(mut renderer) = renderer() else {
+        return;
+    };
+    let half = 5.0e-3_f32;
+    let corner = |x: f32, y: f32| [x * half, y * half, 0.0];
+    let shape = Shape::Field {
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        values: vec![0.0, 1.0, 1.0, 0.0],
+    };
+    let item = Item::new(shape, [0.0; 3], [1.0; 3], Finish::Matte);
+    let image = renderer.draw(&picture(vec![item])).expect("a picture");
+    for part in [0.1, 0.3, 0.5, 0.7, 0.9] {
+        // Middle of the pixel that holds this part of the side.
+        let column = (100.0 + SQUARE * part) as u32;
+        let part = (f64::from(column) + 0.5 - 100.0) / SQUARE;
+        let expected = colour_of(part).map(|c| 255.0 * f64::from(c));
+        assert_colour(&image, [column, SIDE / 2], expected, 2.5);
     }
 }

@@ -8,6 +8,7 @@ use crate::tally::Work;
 use microsim_geometry::{Aabb, signed_volume};
 use microsim_tissue::State;
 use nalgebra::Vector3;
+use std::collections::BTreeSet;
 
 /// Energy may exceed what there was and what gravity and tools brought by this fraction of it. The measure itself oscillates by
 /// hω/2, which is 0.6 for the fastest modes at the recommended step.
@@ -39,8 +40,8 @@ pub(crate) struct Watch {
     start_energy: f64,
     /// Work of contact, each step and point counted positive \[J\].
     work: f64,
-    /// Whether an old overlap was undone: it changes the energy by an amount that is not computed.
-    overlap_undone: bool,
+    /// Nodes at which an old overlap was undone: it changes the energy by an amount that is not computed.
+    pub undone: BTreeSet<u32>,
     /// Whether clamps or grips move in the tick, or fluid flows: they bring energy that is not computed either.
     driven: bool,
     /// Whether a point of contact pressed harder than the material allows.
@@ -53,7 +54,7 @@ impl Watch {
         Self {
             start_energy: state.energies(&body.model).total(),
             work: 0.0,
-            overlap_undone: false,
+            undone: BTreeSet::new(),
             driven: irrigated || body.drive.moves(time, time + tick_s),
             overpressed: false,
         }
@@ -68,7 +69,7 @@ impl Watch {
     pub fn add(&mut self, work: &Work, body: &Body) {
         self.work += work.work;
         self.overpressed |= work.normal_force > OVERPRESSED * body.force_scale;
-        self.overlap_undone |= work.overlap_undone;
+        self.undone.extend(&work.undone);
     }
 
     /// Looks at a body at the end of a tick, at `time` \[s\].
@@ -97,10 +98,9 @@ impl Watch {
             .zip(&forces)
             .map(|((from, to), f)| f.dot(&(to - from)));
         let brought = self.start_energy + work.sum::<f64>().abs() + self.work;
-        let overlap = if self.overlap_undone {
-            OVERLAP_ENERGY
-        } else {
-            0.0
+        let overlap = match self.undone.is_empty() {
+            true => 0.0,
+            false => OVERLAP_ENERGY,
         };
         let scale = body.energy_scale * (1.0 + overlap);
         let allowed = brought * (1.0 + ENERGY_MARGIN) + scale;

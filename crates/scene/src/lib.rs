@@ -74,6 +74,7 @@ mod drive;
 mod edits;
 mod error;
 mod exemption;
+mod fields;
 mod force_window;
 mod from_settings;
 mod group;
@@ -113,6 +114,7 @@ pub use body::CutTally;
 pub use cut_report::{CutReport, RejectedCut};
 pub use divergence::{Diverged, Divergence};
 pub use error::{PrestretchError, SceneError};
+pub use fields::NodeFields;
 pub use force_window::FORCE_WINDOW;
 pub use from_settings::{
     Described, FromSettingsCause, FromSettingsError, LevelParts, Load, level_spec, scene_spec,

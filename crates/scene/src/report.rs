@@ -38,6 +38,8 @@ pub struct TickReport {
     pub over_budget: bool,
     /// The work of all its tries \[s\], as [`SolverReport::work`] is that of the last.
     pub work: f64,
+    /// Of each body at which an overlap from before a step was undone, its index and the ids of the nodes, ascending; of one that is watched alone.
+    pub overlaps_undone: Vec<(usize, Vec<u32>)>,
     /// Pairs of tools that touched each other, the smaller index first, ascending.
     pub touching: Vec<[usize; 2]>,
     /// Indices of motions that were left out: unknown tool, a second motion of one tool, or a number that is not finite.

@@ -5,7 +5,7 @@
 use crate::spec::BodySpec;
 use microsim_mesh::TetMesh;
 use microsim_tissue::elements::PlasticState;
-use microsim_tissue::{Behaviour, ContinuumConstants};
+use microsim_tissue::{Behaviour, ContinuumConstants, Material};
 use nalgebra::{Matrix3, Vector3};
 
 /// Elastic Cauchy stress σ = P Fᵀ/J of each element of `mesh`, that of the body as it is now, with its nodes at `positions` \[m\], in pascals. `flowed`
@@ -17,8 +17,17 @@ pub fn cauchy_stresses(
     positions: &[Vector3<f64>],
     flowed: &[PlasticState],
 ) -> Option<Vec<Matrix3<f64>>> {
-    let continua: Vec<(u32, ContinuumConstants)> = body
-        .materials
+    stresses(&body.materials, mesh, positions, flowed)
+}
+
+/// The same of the materials of the body.
+pub(crate) fn stresses(
+    materials: &[(u32, Material)],
+    mesh: &TetMesh,
+    positions: &[Vector3<f64>],
+    flowed: &[PlasticState],
+) -> Option<Vec<Matrix3<f64>>> {
+    let continua: Vec<(u32, ContinuumConstants)> = materials
         .iter()
         .filter_map(|(region, material)| match material.behaviour {
             Behaviour::Continuum(constants) => Some((*region, constants)),
@@ -80,7 +89,7 @@ mod tests {
     use microsim_mesh::{Block, CellSplit};
     use microsim_tissue::elements::ContinuumPlasticity;
     use microsim_tissue::law::LawName;
-    use microsim_tissue::{Discretisation, Material, State, build_model, flow};
+    use microsim_tissue::{Discretisation, State, build_model, flow};
     use nalgebra::Rotation3;
 
     fn cube(cells: [usize; 3]) -> TetMesh {

@@ -111,12 +111,12 @@ fn squeeze([left, right]: [Vector3<f64>; 2], axis: Vector3<f64>) -> f64 {
 }
 
 /// What contact did to the bodies of a group in a step, for containment.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Work {
     /// Of tools and other bodies, each contact counted positive \[J\].
     pub work: f64,
-    /// Whether an old overlap was undone.
-    pub overlap_undone: bool,
+    /// The body's nodes at which an old overlap was undone.
+    pub undone: Vec<u32>,
     /// The largest force at a point of contact \[N\].
     pub normal_force: f64,
 }
@@ -243,7 +243,10 @@ pub(crate) fn sum_up(
                 works[member].work += force.dot(displacement).abs();
             }
             works[member].normal_force = works[member].normal_force.max(contact.normal_force);
-            works[member].overlap_undone |= old && gap > contact.start_gap;
+            if old && gap > contact.start_gap {
+                let first = group.members[member].first_node as u32;
+                works[member].undone.push(node - first);
+            }
         }
     }
     for (tally, pair) in tallies.iter_mut().zip(pairs) {

@@ -52,6 +52,15 @@ const POINT: f64 = 2e-6;
 /// How often a tick whose forces mean nothing is computed again without the shreds that fail in it.
 const MAX_ROUNDS: u32 = 4;
 
+/// What came of a try.
+struct Attempted {
+    contacts: Vec<ContactReport>,
+    loads: EdgeLoads,
+    solver: SolverReport,
+    /// Of each body with any, ids of nodes.
+    overlaps_undone: Vec<(usize, Vec<u32>)>,
+}
+
 impl Scene {
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
@@ -181,7 +190,12 @@ impl Scene {
                 Try::Stand | Try::LetGo => Division::even(steps),
             };
             match self.attempt(&mut course, tick_s, &divided, &mut budget, exec) {
-                Ok((mut contacts, loads, solver)) => {
+                Ok(Attempted {
+                    mut contacts,
+                    loads,
+                    solver,
+                    overlaps_undone,
+                }) => {
                     let valid = this != Try::LetGo && self.is_meaningful(&solver, &contacts);
                     if !valid && rounds > 0 && index < follows {
                         let shreds = self.failing_shreds();
@@ -242,6 +256,7 @@ impl Scene {
                         over_budget: budget.is_exceeded,
                         work: budget.spent,
                         touching: course.touched,
+                        overlaps_undone,
                         invalid_motions,
                     });
                 }
@@ -339,7 +354,7 @@ impl Scene {
         division: &Division,
         budget: &mut Budget,
         exec: &dyn Executor,
-    ) -> Result<(Vec<ContactReport>, EdgeLoads, SolverReport), Failure> {
+    ) -> Result<Attempted, Failure> {
         self.relocate();
         let start = self.state.bodies.clone();
         let planned = course.planned();
@@ -489,11 +504,20 @@ impl Scene {
                 self.lengthen_steps(group, longest);
             }
         }
-        Ok((
-            self.contact_reports(&tallies, &course.motions(), tick_s),
+        // Cuts give nodes other places.
+        let undone = self.bodies.iter().zip(watches).enumerate();
+        let undone = undone.filter(|(_, (_, watch))| !watch.undone.is_empty());
+        let undone = undone.map(|(index, (body, watch))| {
+            let nodes = watch.undone.iter();
+            let ids = nodes.map(|node| body.mesh.node_ids[*node as usize]);
+            (index, ids.collect())
+        });
+        Ok(Attempted {
+            overlaps_undone: undone.collect(),
+            contacts: self.contact_reports(&tallies, &course.motions(), tick_s),
             loads,
             solver,
-        ))
+        })
     }
 }
 

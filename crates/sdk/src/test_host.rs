@@ -309,6 +309,15 @@ impl<P: Plugin> TestHost<P> {
         open(self.object.restore(RSlice::from_slice(&copy)))
     }
 
+    /// What it answers where it is asked for an ability by name; `None`: it does not have it.
+    pub fn extension(&mut self, name: &str, request: &[u8]) -> Result<Option<Vec<u8>>, Fault> {
+        let copy = request.to_vec();
+        let answer = self
+            .object
+            .extension(name.into(), RSlice::from_slice(&copy));
+        Ok(open(answer)?.into_option().map(|answer| answer.to_vec()))
+    }
+
     /// Back to the state after `initialise`.
     pub fn reset(&mut self) -> Result<(), Fault> {
         self.tick = 0;

@@ -100,9 +100,9 @@ pub use manifest_check::{load_manifest, read_manifest};
 pub use material::{Fibres, Law, Material, Plasticity, SpringForm};
 pub use method::{Accuracy, Method, Tuned};
 pub use microsim_vocabulary::{
-    Category, CellSplit, Direction, Discretisation, EyeLayout, Filling, Finish, Interpolation,
-    Language, LawName, LocalText, MethodName, Overflow, PictureQuality, PluginKind, QuantityError,
-    Unit,
+    Category, CellSplit, DebugView, Direction, Discretisation, EyeLayout, Filling, Finish,
+    Interpolation, Language, LawName, LocalText, MethodName, Overflow, PictureQuality, PluginKind,
+    QuantityError, Remedy, Unit,
 };
 pub use openigtlink::{
     LinkClock, LinkDevice, LinkOpening, LinkRole, OpenIgtLink, TrackedStream, load_openigtlink,

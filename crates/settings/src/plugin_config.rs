@@ -17,7 +17,7 @@ use crate::translator::{
     ClutchMap, DeviceMap, DominantHand, Filter, Hand, MarkerTool, OpeningName, OpeningSource,
     Translator,
 };
-use microsim_vocabulary::{Finish, MICROSCOPE_VIEW};
+use microsim_vocabulary::{DebugView, Finish, MICROSCOPE_VIEW};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -397,9 +397,18 @@ pub struct RendererConfig {
     /// Whether right and left are exchanged, for a left-handed trainee.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mirrored: bool,
+    /// What is laid over it to see what is computed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub views: Vec<DebugView>,
 }
 
 impl RendererConfig {
+    /// What colours the surfaces of bodies: the last of its views that does.
+    pub fn surface_view(&self) -> Option<DebugView> {
+        let mut views = self.views.iter().rev().copied();
+        views.find(|view| view.colours_surfaces())
+    }
+
     /// Of a level, for pictures of this size \[px\].
     pub fn new(level: &Level, models: &ToolModels, (width, height): (u32, u32)) -> Self {
         let look = |body: &Body| BodyLook {
@@ -415,6 +424,7 @@ impl RendererConfig {
             height,
             caption: None,
             mirrored: false,
+            views: Vec::new(),
         }
     }
 }

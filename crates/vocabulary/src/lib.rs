@@ -14,9 +14,9 @@ mod term;
 mod text;
 mod unit;
 
-pub use mechanics::{CellSplit, Discretisation, Filling, LawName, MethodName};
+pub use mechanics::{CellSplit, Discretisation, Filling, LawName, MethodName, Remedy};
 pub use platform::{
-    EyeLayout, Finish, Interpolation, MICROSCOPE_VIEW, MotionLimit, Overflow, PedalKey,
+    DebugView, EyeLayout, Finish, Interpolation, MICROSCOPE_VIEW, MotionLimit, Overflow, PedalKey,
     PictureQuality, PluginKind, ToolStatus,
 };
 pub use results::{Category, Direction};

@@ -269,3 +269,28 @@ impl CellSplit {
         }
     }
 }
+
+terms! {
+    /// What had to be done about a node of a body, or about an element at it, so that the body could be computed.
+    pub enum Remedy {
+        /// It has more inertia than mass, so that the step is stable there.
+        Inertia = "inertia",
+        /// An element at it is turned inside out, and comes back.
+        Inverted = "inverted",
+        /// An overlap from before a step was undone at it.
+        Overlap = "overlap",
+        /// Its body diverged, and the tick was computed again with shorter steps.
+        Repeated = "repeated",
+        /// Its body has become so stiff that its steps are shorter than at rest.
+        Stiffened = "stiffened",
+        /// Its body diverged in every try, and is held at its last good state.
+        Held = "held",
+    }
+}
+
+impl Remedy {
+    /// The bit that stands for it where there may be several.
+    pub const fn bit(self) -> u32 {
+        1 << self as u32
+    }
+}

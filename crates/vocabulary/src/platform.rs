@@ -215,3 +215,30 @@ terms! {
         Backspace = "Backspace",
     }
 }
+
+terms! {
+    /// What is laid over a picture to see what is computed.
+    pub enum DebugView {
+        /// The edges of the surfaces of bodies.
+        Wireframe = "wireframe",
+        /// The capsules of tools, which are what touches tissue.
+        Capsules = "capsules",
+        /// The lines of no return of tools.
+        NoReturn = "no-return",
+        /// Where bodies are touched: forces and depths.
+        Contacts = "contacts",
+        /// Surfaces in the colours of von Mises stress.
+        Stress = "stress",
+        /// Surfaces in the colours of the quality of elements.
+        Quality = "quality",
+        /// Surfaces in the colours of what had to be done so that they could be computed.
+        Remedies = "remedies",
+    }
+}
+
+impl DebugView {
+    /// Whether it colours the surfaces of bodies, as only one at a time can.
+    pub const fn colours_surfaces(self) -> bool {
+        matches!(self, Self::Stress | Self::Quality | Self::Remedies)
+    }
+}

@@ -6,8 +6,9 @@ use crate::ghost::Track;
 use crate::live::Snapshot;
 use crate::look;
 use crate::text;
+use crate::views;
 use eframe::egui::{Align2, Color32, FontId, Response, Sense, Ui};
-use microsim_render::Models;
+use microsim_render::{Legend, Models};
 use microsim_settings::RendererConfig;
 use microsim_vocabulary::Language;
 
@@ -29,6 +30,8 @@ pub struct Subject<'a> {
 #[derive(Debug, Default)]
 pub struct Canvas {
     picture: Option<Shown>,
+    /// What the colours of its surfaces mean.
+    legend: Option<Legend>,
     /// Width and height with which it was drawn \[pixels\], unless it is to be drawn again.
     drawn: Option<[u32; 2]>,
     complaint: Option<String>,
@@ -63,8 +66,9 @@ impl Canvas {
         {
             let seen = (snapshot, subject.ghost);
             match field.draw(subject.config, subject.models, seen, size) {
-                Ok(picture) => {
+                Ok((picture, legend)) => {
                     (self.picture, self.drawn) = (Some(picture), Some(size));
+                    self.legend = legend;
                     self.complaint = None;
                     is_drawn = true;
                 }
@@ -79,6 +83,9 @@ impl Canvas {
         match &self.picture {
             Some(picture) => {
                 painter.add(picture.at(place));
+                if let Some(legend) = &self.legend {
+                    views::legend(&painter, place, legend, language);
+                }
             }
             None => {
                 // A picture hides all that lies below it, and on a software driver each filling of so much costs more than the picture.

@@ -7,13 +7,14 @@ use crate::plot::{self, Curve};
 use crate::shortcut;
 use crate::text::{self, Phrase, local, number};
 use crate::timeline::{self, Mark, TimeLine};
+use crate::views;
 use eframe::egui::{
     self, Align, Button, Key, Label, Layout, ProgressBar, Rect, RichText, ScrollArea, Shape,
     Stroke, Ui, pos2, vec2,
 };
 use microsim_render::Quality;
 use microsim_report::Report;
-use microsim_vocabulary::Language;
+use microsim_vocabulary::{DebugView, Language};
 
 /// Width of the panel beside the picture \[points\].
 const PANEL: f32 = 290.0;
@@ -143,8 +144,13 @@ pub struct Console<'a> {
 }
 
 impl Console<'_> {
-    /// Shows all of it.
-    pub fn show(&self, ui: &mut Ui, language: Language) -> Vec<Asked> {
+    /// Shows all of it; what is laid over the picture can be chosen there.
+    pub fn show(
+        &self,
+        ui: &mut Ui,
+        shown_views: &mut Vec<DebugView>,
+        language: Language,
+    ) -> Vec<Asked> {
         let mut asked = Vec::new();
         egui::Panel::top("replayed")
             .show_separator_line(false)
@@ -166,7 +172,9 @@ impl Console<'_> {
             egui::Panel::right("events")
                 .exact_size(PANEL)
                 .resizable(false)
-                .show(ui, |ui| self.show_events(ui, language, &mut asked));
+                .show(ui, |ui| {
+                    self.show_events(ui, shown_views, language, &mut asked)
+                });
         }
         asked
     }
@@ -342,7 +350,13 @@ impl Console<'_> {
         });
     }
 
-    fn show_events(&self, ui: &mut Ui, language: Language, asked: &mut Vec<Asked>) {
+    fn show_events(
+        &self,
+        ui: &mut Ui,
+        shown_views: &mut Vec<DebugView>,
+        language: Language,
+        asked: &mut Vec<Asked>,
+    ) {
         ui.add_space(4.0);
         egui::Panel::bottom("keys")
             .show_separator_line(false)
@@ -360,6 +374,8 @@ impl Console<'_> {
             .show(ui, |ui| {
                 let clicked = timeline::list(ui, self.marks, self.state.shown, language);
                 asked.extend(clicked.map(Asked::GoTo));
+                ui.add_space(6.0);
+                views::show(ui, shown_views, language);
             });
     }
 }

@@ -7,6 +7,7 @@ use crate::editor::{self, Editor};
 use crate::field::Field;
 use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
+use crate::left_films::LeftFilms;
 use crate::look;
 use crate::pedal;
 use crate::records::{self, Records};
@@ -140,6 +141,8 @@ struct Desk {
     screen: Screen,
     /// The thread of the replay that was left last: it may compute still.
     left: Option<JoinHandle<()>>,
+    /// Films of replays that were left.
+    left_films: LeftFilms,
     /// Gamepads and SpaceMice, unless the system had no thread to look for them.
     controllers: Option<Controllers>,
 }
@@ -169,6 +172,7 @@ impl Desk {
                 ..opening.settings
             },
             left: None,
+            left_films: LeftFilms::default(),
             launcher: Launcher::of_hand(opening.hand),
             upkeep: Upkeep::default(),
             waker,
@@ -232,10 +236,10 @@ impl Desk {
                 training.controllers = controllers.map(|controllers| (controllers, speed));
                 training.pedal = self.settings.pedal;
                 if self.settings.audio {
-                    match Player::open(self.settings.volume) {
-                        Ok(player) => training.play_tones(player),
-                        Err(why) => tracing::info!("no tones: {why}"),
-                    }
+                    let player = Player::open(self.settings.volume, |why| {
+                        tracing::info!("no tones: {why}");
+                    });
+                    training.play_tones(player);
                 }
                 Screen::Training(Box::new(training))
             }
@@ -249,6 +253,7 @@ impl Desk {
             // A panic was stated where the replay was shown.
             let _ = left.join();
         }
+        self.left_films.wait();
     }
 
     /// The level of a session, for whoever trains now.
@@ -297,8 +302,9 @@ impl Desk {
             Some(replay::Outcome::Back) => {
                 let shown = std::mem::replace(&mut self.screen, Screen::Launcher);
                 if let Screen::Replay(replay, choice) = shown {
-                    let (debrief, left) = replay.leave();
+                    let (debrief, left, filming) = replay.leave();
                     self.left = left;
+                    self.left_films.leave(filming);
                     self.screen = Screen::Debrief(debrief, choice);
                 }
                 ui.ctx().request_repaint();
@@ -564,6 +570,11 @@ impl device::Shown for Desk {
         self.press_by_controllers(ui);
         self.set_by_keys(ui);
         let panels = self.settings.panels;
+        match &self.screen {
+            Screen::Debrief(..) => self.left_films.show(ui, self.language),
+            // What came of a film is stated where its replay has led to.
+            _ => self.left_films.forget(),
+        }
         match &mut self.screen {
             Screen::Settings(_) => self.show_settings(ui),
             Screen::Editor(_) => self.show_editor(ui),

@@ -5,14 +5,17 @@ use crate::film::MakeCamera;
 use crate::ghost::Track;
 use crate::live::Snapshot;
 use crate::pace::Times;
+use crate::views;
 use eframe::egui::Rect;
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use microsim_gpu::Gpu;
-use microsim_message::{ObjectScene, SetupFile, ToolPlacements, ToolStates};
-use microsim_render::{Models, Picture, Quality, Renderer, Stereo, StereoLayout, snapshot};
+use microsim_message::{ContactForces, ObjectScene, SetupFile, ToolPlacements, ToolStates};
+use microsim_render::{
+    Legend, Models, Picture, Quality, Renderer, Stereo, StereoLayout, debug, snapshot,
+};
 use microsim_settings::{RendererConfig, WindowSettings};
-use microsim_vocabulary::{EyeLayout, PictureQuality};
+use microsim_vocabulary::{EyeLayout, Language, PictureQuality};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -118,7 +121,7 @@ impl Field {
         });
     }
 
-    /// Draws a snapshot `size` pixels wide and high.
+    /// Draws a snapshot `size` pixels wide and high; with it comes what the colours of surfaces mean, where they mean anything.
     ///
     /// # Errors
     /// What the renderer refuses; the last picture stays.
@@ -128,8 +131,8 @@ impl Field {
         models: &mut Models,
         (snapshot, ghost): (&Snapshot, Option<&Track>),
         size: [u32; 2],
-    ) -> Result<Shown, String> {
-        let picture = self
+    ) -> Result<(Shown, Option<Legend>), String> {
+        let (picture, legend) = self
             .sight()
             .picture(config, models, (snapshot, ghost), size);
         if !self.has_measured {
@@ -141,7 +144,7 @@ impl Field {
             self.has_measured = true;
         }
         self.renderer.render(&picture).map_err(|e| e.to_string())?;
-        self.shown()
+        Ok((self.shown()?, legend))
     }
 
     /// How it is looked at now.
@@ -185,28 +188,29 @@ impl Sight {
         models: &mut Models,
         (snapshot, ghost): (&Snapshot, Option<&Track>),
         size: [u32; 2],
-    ) -> Picture {
+    ) -> (Picture, Option<Legend>) {
+        let (picture, legend) = picture_of(config, models, snapshot);
         let [width, height] = size.map(|side| side.max(LEAST_SIDE));
         let mut picture = Picture {
             width,
             height,
             stereo: self.stereo,
-            ..picture_of(config, models, snapshot)
+            ..picture
         };
         let nearest = picture.view.field_diameter;
         picture.view.working_distance = self.working_distance.max(nearest);
         let ghost = ghost.map(|track| track.items(config, snapshot.time));
         picture.items.extend(ghost.into_iter().flatten());
-        picture
+        (picture, legend)
     }
 
-    /// A camera with a graphics device of its own, made in the thread that draws.
+    /// A camera with a graphics device of its own, made in the thread that draws. A legend in its pictures is in a language.
     pub fn camera(
         self,
         config: RendererConfig,
         files: Vec<SetupFile>,
         ghost: Option<Arc<Track>>,
-        size: [u32; 2],
+        (size, language): ([u32; 2], Language),
     ) -> MakeCamera {
         Box::new(move || {
             let files = files.iter().map(|f| (&f.name[..], &f.bytes[..]));
@@ -217,8 +221,11 @@ impl Sight {
             renderer.set_depth_of_field(self.depth_of_field);
             let draw = move |snapshot: &Snapshot| {
                 let seen = (snapshot, ghost.as_deref());
-                let picture = self.picture(&config, &mut models, seen, size);
-                let image = renderer.draw(&picture).map_err(|e| e.to_string())?;
+                let (picture, legend) = self.picture(&config, &mut models, seen, size);
+                let mut image = renderer.draw(&picture).map_err(|e| e.to_string())?;
+                if let Some(legend) = legend {
+                    image.write_legend(&legend, &views::words(language));
+                }
                 Ok(image.to_png())
             };
             Ok(Box::new(draw))
@@ -227,7 +234,11 @@ impl Sight {
 }
 
 /// What is to be seen of a snapshot. Placements count in their own tick alone.
-fn picture_of(config: &RendererConfig, models: &mut Models, seen: &Snapshot) -> Picture {
+fn picture_of(
+    config: &RendererConfig,
+    models: &mut Models,
+    seen: &Snapshot,
+) -> (Picture, Option<Legend>) {
     let objects = seen.latest::<ObjectScene>().unwrap_or_default();
     let tools = seen.latest::<ToolStates>().unwrap_or_default();
     let placements = seen.latest::<ToolPlacements>();
@@ -235,7 +246,10 @@ fn picture_of(config: &RendererConfig, models: &mut Models, seen: &Snapshot) -> 
     let mut picture =
         snapshot::picture(config, &objects, &tools, placements.as_ref(), seen.bodies());
     picture.items.extend(models.items(&objects));
-    picture
+    let forces = seen.latest::<ContactForces>().unwrap_or_default();
+    let of_tools = (&tools, placements.as_ref());
+    let legend = debug::overlay(&mut picture, config, of_tools, &forces, seen.bodies());
+    (picture, legend)
 }
 
 /// The part of a place in which the left eye's picture is shown, or the one picture.

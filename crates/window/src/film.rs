@@ -53,6 +53,8 @@ pub struct Scene {
     pub recording: Box<dyn Recording>,
     /// First and last tick.
     pub section: [u64; 2],
+    /// Whether pictures show what has to be computed for them alone.
+    pub shows_fields: bool,
     /// What draws.
     pub camera: MakeCamera,
     /// Where the pictures go.
@@ -108,9 +110,14 @@ impl Filming {
 }
 
 impl Drop for Filming {
-    /// A replay that is left makes no film any more; the pictures that are written stay.
+    /// Whoever is not interested in a film any more makes none, and waits for its last picture: a thread that goes on while the process ends would leave behind what it has
+    /// started. The pictures that are written stay.
     fn drop(&mut self) {
         self.stop();
+        if let Some(thread) = self.thread.take() {
+            // A panic was printed where it happened.
+            let _ = thread.join();
+        }
     }
 }
 
@@ -123,11 +130,13 @@ fn make(
     let Scene {
         recording,
         section,
+        shows_fields,
         camera,
         mut film,
     } = scene;
     let tick_s = recording.tick();
     let mut computation = recording.open(is_stopped)?;
+    computation.show_fields(shows_fields);
     let wanted = section_of(&computation.range(), section, tick_s)?;
     let mut draw = camera()?;
     let first = computation.range().start;
@@ -232,6 +241,7 @@ mod tests {
         let scene = Scene {
             recording: crate::tests::player::counted(100, 0.016),
             section,
+            shows_fields: false,
             camera: Box::new(move || {
                 let draw = move |seen: &Snapshot| {
                     drop(gate.lock());
@@ -278,6 +288,48 @@ mod tests {
         let (mut filming, _) = film([200, 300], 1000, &open);
         let why = ended(&mut filming).expect_err("no tick");
         assert!(why.contains("no tick"), "{why}");
+    }
+
+    /// Whoever drops it has waited for its thread: nobody else has the pictures then.
+    #[test]
+    fn a_film_that_is_dropped_has_ended() {
+        let open = Arc::default();
+        let (filming, pictures) = film([0, 99], 1000, &open);
+        drop(filming);
+        assert_eq!(Arc::strong_count(&pictures), 1);
+        let written = pictures.lock().expect("no panic").len();
+        assert!(written <= 41, "25 in a second, of 1.6 s");
+    }
+
+    /// What the viewer leaves behind ends by itself, without anybody waiting: the gate is closed until it was left. What came of it is stated, once the picture that was drawn
+    /// meanwhile is finished.
+    #[test]
+    fn a_film_that_is_left_is_stopped_and_states_what_came_of_it() {
+        let gate = Arc::new(Mutex::new(()));
+        let closed = gate.lock().expect("no panic");
+        let (filming, pictures) = film([0, 99], 1000, &gate);
+        let mut left = crate::left_films::LeftFilms::default();
+        left.leave(Some(filming));
+        left.look();
+        assert!(left.is_ending());
+        assert_eq!(left.outcome(), None);
+        drop(closed);
+        let since = Instant::now();
+        while left.is_ending() {
+            assert!(since.elapsed() < Duration::from_secs(20), "it never ends");
+            std::thread::sleep(Duration::from_millis(1));
+            left.look();
+        }
+        assert_eq!(Arc::strong_count(&pictures), 1);
+        match left.outcome() {
+            Some(Ok(filmed)) => assert_eq!(filmed.video, Video::Stopped),
+            other => panic!("{other:?}"),
+        }
+        left.forget();
+        assert_eq!(left.outcome(), None);
+        // One that had ended has come to what it is, and nothing has to end.
+        left.leave(None);
+        assert!(!left.is_ending());
     }
 
     #[test]

@@ -108,14 +108,15 @@ impl FilmRow {
         });
         let note: WidgetText = match &self.ended {
             None => look::quiet(text::FILM_EXPLAINED.of(language)).into(),
-            Some(Ok(filmed)) => outcome(filmed, language).into(),
-            Some(Err(why)) => {
-                let text = format!("{} {why}", text::FILM_ENDED.of(language));
-                RichText::new(text).color(look::BAD).into()
-            }
+            Some(ended) => note(ended, language).into(),
         };
         ui.add(Label::new(note).wrap());
         wanted
+    }
+
+    /// The film that is being made, which is no longer that of this row.
+    pub fn leave(&mut self) -> Option<Filming> {
+        self.filming.take()
     }
 
     /// Ends the film that is being made.
@@ -144,6 +145,17 @@ fn progress(part: Part, language: Language) -> String {
         (of, false) => {
             let pictures = text::PICTURES_WRITTEN.of(language);
             format!("{} / {of} {pictures}", part.written)
+        }
+    }
+}
+
+/// What came of a film.
+pub fn note(ended: &Result<Filmed, String>, language: Language) -> RichText {
+    match ended {
+        Ok(filmed) => outcome(filmed, language),
+        Err(why) => {
+            let text = format!("{} {why}", text::FILM_ENDED.of(language));
+            RichText::new(text).color(look::BAD)
         }
     }
 }

@@ -160,6 +160,7 @@ radius = "0.5 mm"
             height: 64,
             caption: None,
             mirrored: false,
+            views: Vec::new(),
         };
         let items = track.items(&config, time).into_iter();
         let begin = |item: Item| {

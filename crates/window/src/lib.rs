@@ -55,6 +55,7 @@ mod hands;
 mod launcher;
 mod learning;
 mod ledger;
+mod left_films;
 mod level_pictures;
 mod live;
 mod look;
@@ -81,6 +82,7 @@ mod threads;
 mod timeline;
 mod training;
 mod upkeep;
+mod views;
 mod work;
 
 pub use copies::{Changes, LevelCopies};

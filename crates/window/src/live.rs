@@ -35,10 +35,11 @@ pub struct Snapshot {
 }
 
 /// Kinds of messages of which a screen shows the latest.
-pub const SHOWN: [&str; 4] = [
+pub const SHOWN: [&str; 5] = [
     ObjectScene::KIND,
     ToolStates::KIND,
     ToolPlacements::KIND,
+    ContactForces::KIND,
     LevelState::KIND,
 ];
 
@@ -94,6 +95,8 @@ struct Exchange {
     is_paused: AtomicBool,
     has_first_tick: AtomicBool,
     stop: AtomicBool,
+    /// Whether snapshots have what pictures of the computation show.
+    shows_fields: AtomicBool,
 }
 
 /// A panic of the other thread leaves data that can be read all the same.
@@ -202,6 +205,11 @@ impl Live {
         *lock(&self.exchange.view) = Some(view);
     }
 
+    /// From the next tick on, snapshots have what pictures of the computation show of bodies, or have it no longer.
+    pub fn show_fields(&self, shows: bool) {
+        self.exchange.shows_fields.store(shows, Ordering::Relaxed);
+    }
+
     /// Whether it pauses.
     pub fn is_paused(&self) -> bool {
         self.exchange.is_paused.load(Ordering::Relaxed)
@@ -288,7 +296,7 @@ impl Operator for Seat<'_> {
         is_paused
     }
 
-    fn see(&mut self, seen: Seen<'_>) {
+    fn see(&mut self, mut seen: Seen<'_>) {
         let mut solver: Option<SolverTick> = None;
         let mut tones = lock(&self.exchange.tones);
         let mut pace = lock(&self.exchange.pace);
@@ -297,7 +305,8 @@ impl Operator for Seat<'_> {
                 let mut bytes = Vec::new();
                 microsim_bus::frame::push_stamped(&mut bytes, &frame.header, frame.payload);
                 self.messages.insert(frame.header.kind, bytes.into());
-            } else if let Some(Ok(event)) = decode::<LevelEvent>(&frame) {
+            }
+            if let Some(Ok(event)) = decode::<LevelEvent>(&frame) {
                 lock(&self.exchange.events).push(event);
             } else if let Some(Ok(tick)) = decode::<SolverTick>(&frame) {
                 solver = Some(tick);
@@ -326,12 +335,16 @@ impl Operator for Seat<'_> {
         }
         drop(pace);
         self.exchange.has_first_tick.store(true, Ordering::Relaxed);
+        let mut blocks = seen.blocks();
+        if self.exchange.shows_fields.load(Ordering::Relaxed) {
+            blocks.extend(seen.fields());
+        }
         *lock(&self.exchange.latest) = Some(Snapshot {
             tick: seen.tick,
             time: seen.time,
             finished: Instant::now(),
             messages: self.messages.clone(),
-            blocks: seen.blocks(),
+            blocks,
         });
         (self.wake)();
     }

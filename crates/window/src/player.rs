@@ -31,6 +31,8 @@ struct Wish {
     plays: bool,
     /// Place in [`SPEEDS`].
     speed: usize,
+    /// Whether states have what pictures of the computation show.
+    shows_fields: bool,
     ends: bool,
 }
 
@@ -127,6 +129,8 @@ impl Player {
                     tick_s,
                     nearby: Nearby::default(),
                     work: None,
+                    shows_fields: false,
+                    is_stale: false,
                     has_compared_end: false,
                     wake: &wake,
                 };
@@ -199,6 +203,11 @@ impl Player {
         self.ask(|wish, _| wish.speed = speed.min(SPEEDS.len() - 1));
     }
 
+    /// States have what pictures of the computation show of bodies, or have it no longer; the one that is shown is computed again with it.
+    pub fn show_fields(&self, shows: bool) {
+        self.ask(|wish, _| wish.shows_fields = shows);
+    }
+
     /// Goes to a tick, or the nearest that there is, and goes on from there as before.
     pub fn go_to(&self, tick: u64) {
         self.ask(|wish, range| wish.goal = Some(clamped(tick, &range)));
@@ -244,6 +253,9 @@ struct Seat<'a> {
     tick_s: f64,
     nearby: Nearby,
     work: Option<Towards>,
+    shows_fields: bool,
+    /// Whether what is shown lacks something that was asked for since.
+    is_stale: bool,
     /// Whether what stands behind the last tick was compared.
     has_compared_end: bool,
     wake: &'a dyn Fn(),
@@ -267,6 +279,13 @@ impl Seat<'_> {
             if wish.ends {
                 return Ok(());
             }
+            if wish.shows_fields != self.shows_fields {
+                self.shows_fields = wish.shows_fields;
+                self.computation.show_fields(wish.shows_fields);
+                // What is there without them is computed again.
+                (self.nearby, self.work) = (Nearby::default(), None);
+                self.is_stale = true;
+            }
             let range = self.computation.range();
             let shown = lock(&self.exchange.state).shown;
             let goal = wish.goal.filter(|_| !range.is_empty());
@@ -281,7 +300,7 @@ impl Seat<'_> {
                 continue;
             }
             match goal {
-                Some(goal) if shown != Some(goal) => {
+                Some(goal) if shown != Some(goal) || self.is_stale => {
                     pace = None;
                     self.approach(goal)?;
                 }
@@ -381,7 +400,7 @@ impl Seat<'_> {
         };
         let snapshot = Snapshot::of(moment, (tick + 1) as f64 * self.tick_s);
         *lock(&self.exchange.latest) = Some(snapshot);
-        self.work = None;
+        (self.work, self.is_stale) = (None, false);
         self.publish(|state| (state.shown, state.working) = (Some(tick), None));
         true
     }

@@ -16,6 +16,7 @@ use crate::shortcut;
 use crate::station::{Recording, Station};
 use crate::text::{self, Phrase};
 use crate::timeline::{self, Mark};
+use crate::views;
 use eframe::egui::{self, Event, Key, Ui};
 use microsim_message::SetupFile;
 use microsim_render::Models;
@@ -116,9 +117,10 @@ impl Replay {
         self.canvas.redraw();
     }
 
-    /// Leaves it: what came of the session, and the thread that computed it, which ends soon.
-    pub fn leave(self) -> (Box<Debrief>, Option<JoinHandle<()>>) {
-        (self.debrief, self.player.leave())
+    /// Leaves it: what came of the session, the thread that computed it, which ends soon, and a film that is being made.
+    pub fn leave(mut self) -> (Box<Debrief>, Option<JoinHandle<()>>, Option<Filming>) {
+        let filming = self.film.leave();
+        (self.debrief, self.player.leave(), filming)
     }
 
     /// Shows it, and does what is asked for.
@@ -133,6 +135,8 @@ impl Replay {
         let newest = self.player.take();
         let is_new = newest.is_some();
         self.snapshot = newest.or(self.snapshot.take());
+        let before = self.config.views.clone();
+        views::press(ui, &mut self.config.views);
         let mut asked = self.use_keys(ui, field);
         let report = &self.debrief.report;
         if self.curves.as_ref().is_none_or(|(of, _)| *of != language) {
@@ -156,7 +160,12 @@ impl Replay {
             films: self.film.is_open,
             panels,
         };
-        asked.extend(console.show(ui, language));
+        asked.extend(console.show(ui, &mut self.config.views, language));
+        if self.config.views != before {
+            let shows = self.config.surface_view().is_some();
+            self.player.show_fields(shows);
+            self.canvas.redraw();
+        }
         self.show_rows(ui, field, station, &state, language);
         let waiting = waiting(&state).map_or("", |waiting| waiting.of(language));
         let frame = egui::Frame::NONE;
@@ -225,7 +234,8 @@ impl Replay {
                 None => {}
                 Some(film_row::Wanted::Stop) => self.film.stop(),
                 Some(film_row::Wanted::Begin(section)) => {
-                    let started = self.begin_film(section, field, station, wake_of(&self.waker));
+                    let seen = (field, language);
+                    let started = self.begin_film(section, seen, station, wake_of(&self.waker));
                     self.film.begin(started);
                 }
             }
@@ -236,7 +246,7 @@ impl Replay {
     fn begin_film(
         &self,
         section: [u64; 2],
-        field: &Field,
+        (field, language): (&Field, Language),
         station: &dyn Station,
         wake: impl Fn() + Send + 'static,
     ) -> Result<Filming, String> {
@@ -246,7 +256,10 @@ impl Replay {
         let scene = film::Scene {
             recording: station.replay(session)?,
             section,
-            camera: field.sight().camera(config, files, ghost, film::SIZE),
+            shows_fields: config.surface_view().is_some(),
+            camera: field
+                .sight()
+                .camera(config, files, ghost, (film::SIZE, language)),
             film: station.film(session)?,
         };
         Filming::start(scene, wake)

@@ -142,6 +142,9 @@ pub trait Computation {
     /// If the state cannot be restored.
     fn seek(&mut self, tick: u64) -> Result<(), String>;
 
+    /// From the next tick on, states have what pictures of the computation show of bodies, or have it no longer.
+    fn show_fields(&mut self, shows: bool);
+
     /// Computes a tick; `None` behind the last one.
     ///
     /// # Errors
@@ -169,6 +172,10 @@ impl<R: Read + Seek> Computation for Playback<R> {
 
     fn seek(&mut self, tick: u64) -> Result<(), String> {
         Self::seek(self, tick).map_err(|e| e.to_string())
+    }
+
+    fn show_fields(&mut self, shows: bool) {
+        Self::show_fields(self, shows);
     }
 
     fn step(&mut self) -> Result<Option<Moment>, String> {

@@ -197,6 +197,7 @@ fn renderer() -> RendererConfig {
         height: 64,
         caption: None,
         mirrored: false,
+        views: Vec::new(),
     }
 }
 

@@ -12,7 +12,7 @@ use crate::scope::Scope;
 use crate::station::{Choice, LevelEntry, LiveSession, ModuleEntry};
 use crate::steering::{self, Grasp, Steering};
 use crate::text;
-use crate::{look, panels, pedal, shortcut};
+use crate::{look, panels, pedal, shortcut, views};
 use eframe::egui::{self, Key, Rect, RichText, Ui};
 use microsim_audio::{Cues, Player};
 use microsim_controller::Controllers;
@@ -143,6 +143,8 @@ impl Training {
         let newest = self.live.take();
         let is_new = newest.is_some();
         self.snapshot = newest.or(self.snapshot.take());
+        let before = self.config.views.clone();
+        views::press(ui, &mut self.config.views);
         if panels {
             self.show_task(ui, language);
         }
@@ -151,6 +153,11 @@ impl Training {
         }
         if panels {
             self.show_instruments(ui, field.quality(), language);
+        }
+        if self.config.views != before {
+            let shows = self.config.surface_view().is_some();
+            self.live.show_fields(shows);
+            self.canvas.redraw();
         }
         let shown = egui::CentralPanel::default()
             .frame(egui::Frame::NONE)
@@ -219,7 +226,7 @@ impl Training {
         panel.show(ui, |ui| task.show(ui, language));
     }
 
-    fn show_instruments(&self, ui: &mut Ui, quality: Quality, language: Language) {
+    fn show_instruments(&mut self, ui: &mut Ui, quality: Quality, language: Language) {
         let states = self
             .snapshot
             .as_ref()
@@ -241,7 +248,7 @@ impl Training {
         let controllers = self.controllers.as_ref().filter(|_| hands.is_some());
         let presences = controllers.map(|(controllers, _)| controllers.presences());
         let presences = presences.unwrap_or_default();
-        let pace = self.live.pace();
+        let (pace, rate) = (self.live.pace(), self.rate());
         let delays = self.delays.lock();
         let delays = delays.unwrap_or_else(PoisonError::into_inner).clone();
         let panel = egui::Panel::right("instruments")
@@ -256,11 +263,12 @@ impl Training {
                 pedal::help(ui, &self.pedal, language);
             }
             let pictures = Pictures {
-                rate: self.rate(),
+                rate,
                 delays: &delays,
                 quality,
             };
             panels::pace(ui, &pace, &pictures, language);
+            views::show(ui, &mut self.config.views, language);
         };
         panel.show(ui, |ui| panels::scrolled(ui, show));
     }

@@ -3,14 +3,15 @@
 
 #![forbid(unsafe_code)]
 
+use fields::Shown;
 use microsim_scene::{
     ContactPartner, ContactReport, CutReport, Executor, LevelParts, PartReport, Pose, RegionReport,
     Scene, SolverReport, ToolMotion, largest_stretches, level_spec,
 };
 use microsim_sdk::message::{
     self, ContactForce, ContactForces, PartForce, PathPoints, RegionForce, SolverTick,
-    TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT, TissueCut, TissueRecovery, ToolPlacement,
-    ToolPlacements, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
+    TISSUE_ELEMENTS, TISSUE_FIELDS, TISSUE_REST, TISSUE_SNAPSHOT, TissueCut, TissueRecovery,
+    ToolPlacement, ToolPlacements, ToolState, ToolStates, ToolStatus, decode_bytes, encode,
 };
 use microsim_sdk::{
     BlockBuilder, Fault, LogLevel, Parallel, Plugin, Services, Setup, Tick, export_plugin,
@@ -51,7 +52,11 @@ pub struct Physics {
     parallel: Parallel,
     /// Whether what is known of elements is published.
     elements: bool,
+    /// What pictures of the computation need beside the scene.
+    shown: Shown,
 }
+
+mod fields;
 
 struct HostExecutor(Parallel);
 
@@ -302,6 +307,7 @@ impl Plugin for Physics {
             let bodies = spec.bodies.iter_mut();
             bodies.for_each(|body| body.tear_strains.clear());
         }
+        self.shown = Shown::new(&spec);
         let scene = Scene::new(&spec).map_err(|error| Fault::new(error.to_string()))?;
         let checked = scene.check_step(setup.tick_ns as f64 * 1e-9, setup.steps);
         checked.map_err(|error| Fault::new(error.to_string()))?;
@@ -313,6 +319,7 @@ impl Plugin for Physics {
 
     fn reset(&mut self) -> Result<(), Fault> {
         self.memory = Memory::default();
+        self.shown.forget();
         self.scene()?.reset();
         Ok(())
     }
@@ -325,8 +332,10 @@ impl Plugin for Physics {
         let motions = self.motions(&tools);
         let executor = HostExecutor(self.parallel);
         let (length, steps) = (tick.length(), tick.steps());
-        let scene = self.scene()?;
+        let scene = self.scene.as_mut();
+        let scene = scene.ok_or_else(|| Fault::new("not initialised"))?;
         let report = scene.tick(&motions, length, steps, &executor);
+        self.shown.take(&report);
         let report = match report {
             Ok(report) => report,
             // The scene stands at its last good state; the trainee sees tissue that does not move for a tick, and the
@@ -451,6 +460,7 @@ impl Plugin for Physics {
 
     fn restore(&mut self, state: &[u8]) -> Result<(), Fault> {
         let (memory, scene): (Memory, serde_bytes::ByteBuf) = decode_bytes(state)?;
+        self.shown.forget();
         let restored = self.scene()?.restore(&scene);
         restored.map_err(|error| Fault::new(error.to_string()))?;
         self.memory = memory;
@@ -458,8 +468,14 @@ impl Plugin for Physics {
     }
 
     fn extension(&mut self, name: &str, _request: &[u8]) -> Result<Option<Vec<u8>>, Fault> {
-        let scene = self.scene.as_ref().filter(|_| name == "state.digest");
-        Ok(scene.map(|scene| scene.digest().to_vec()))
+        let Some(scene) = &self.scene else {
+            return Ok(None);
+        };
+        Ok(match name {
+            "state.digest" => Some(scene.digest().to_vec()),
+            TISSUE_FIELDS => Some(encode(&self.shown.blocks(scene))),
+            _ => None,
+        })
     }
 }
 

@@ -165,3 +165,37 @@ fn a_contact_tells_its_force_by_part_and_by_region() {
     }
     assert!(pushed > 0, "nothing was pushed");
 }
+
+/// What pictures of the computation show is there for whoever asks, one value for each node of the snapshot. The strip is a continuum that sags: it bears stress, in elements of a block
+/// that are cut as Kuhn does, whose ratio is 0.7174 (see the crate `mesh`), a little bent. Nothing of it is published, and asking changes no state.
+#[test]
+fn fields_are_there_for_whoever_asks() {
+    let mut host = physics();
+    let published = host.tick().expect("a tick");
+    assert!(block(&published, TISSUE_FIELDS).is_none());
+    let state = host.save().expect("a state");
+    let answer = host.extension(TISSUE_FIELDS, &[]).expect("an answer");
+    assert_eq!(host.save().expect("a state"), state);
+    let words: Vec<Vec<u64>> = decode_bytes(&answer.expect("an ability")).expect("blocks");
+    let [words] = words.as_slice() else {
+        panic!("one body");
+    };
+    let fields = BlockView::new(words).expect("a block");
+    let now = block(&published, "tissue.snapshot").expect("a snapshot");
+    assert_eq!(
+        (fields.name(), fields.generation()),
+        (now.name(), now.generation())
+    );
+    let nodes = now.u32s("node_id").expect("nodes").len();
+    let quality = fields.f64s("quality").expect("of elements");
+    assert_eq!(quality.len(), nodes);
+    assert!(
+        quality.iter().all(|q| (0.5..0.75).contains(q)),
+        "{quality:?}"
+    );
+    assert_eq!(fields.u32s("remedy"), Some(&vec![0; nodes][..]));
+    let stresses = fields.f64s("von_mises").expect("of a continuum");
+    assert_eq!(stresses.len(), nodes);
+    assert!(stresses.iter().any(|stress| *stress > 0.0));
+    assert_eq!(host.extension("nothing", &[]).expect("an answer"), None);
+}

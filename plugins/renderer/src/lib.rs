@@ -6,10 +6,12 @@
 #![forbid(unsafe_code)]
 
 use microsim_gpu::Gpu;
-use microsim_render::{Models, Picture, Quality, Renderer, View, snapshot};
+use microsim_render::{
+    Legend, LegendWords, Models, Picture, Quality, Renderer, View, debug, snapshot,
+};
 use microsim_sdk::message::{
-    MicroscopeView, ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_REST, TISSUE_SNAPSHOT,
-    ToolPlacements, ToolStates,
+    ContactForces, MicroscopeView, ObjectScene, PictureRequest, TISSUE_ELEMENTS, TISSUE_FIELDS,
+    TISSUE_REST, TISSUE_SNAPSHOT, ToolPlacements, ToolStates,
 };
 use microsim_sdk::{Fault, Plugin, Services, Setup, Tick, export_plugin};
 use microsim_settings::RendererConfig;
@@ -28,7 +30,7 @@ impl PictureRenderer {
         config: &RendererConfig,
         models: &mut Models,
         tick: &Tick<'_>,
-    ) -> Result<Picture, Fault> {
+    ) -> Result<(Picture, Option<Legend>), Fault> {
         let objects = tick.latest::<ObjectScene>()?.unwrap_or_default();
         let tools = tick.latest::<ToolStates>()?.unwrap_or_default();
         let placements = tick.latest::<ToolPlacements>()?;
@@ -40,7 +42,11 @@ impl PictureRenderer {
         if let Some(MicroscopeView { centre, field }) = tick.latest()? {
             picture.view = View::of_microscope(centre, field, config.view.tilt);
         }
-        Ok(picture)
+        let forces = tick.latest::<ContactForces>()?.unwrap_or_default();
+        let tools = (&tools, placements.as_ref());
+        let fields = tick.blocks(TISSUE_FIELDS);
+        let legend = debug::overlay(&mut picture, config, tools, &forces, fields);
+        Ok((picture, legend))
     }
 }
 
@@ -74,10 +80,13 @@ impl Plugin for PictureRenderer {
             return Err(Fault::new("not initialised"));
         };
         for request in tick.messages::<PictureRequest>()? {
-            let picture = Self::picture(config, &mut self.models, tick)?;
+            let (picture, legend) = Self::picture(config, &mut self.models, tick)?;
             let mut image = renderer
                 .draw(&picture)
                 .map_err(|error| Fault::new(error.to_string()))?;
+            if let Some(legend) = legend {
+                image.write_legend(&legend, &LegendWords::ENGLISH);
+            }
             if let Some(caption) = &config.caption {
                 image.write_caption(caption);
             }

@@ -1,9 +1,9 @@
 //! Commands about scenes, methods, materials and meshes.
 
-use super::value::{parse_level, parse_override, utf8_path};
+use super::value::{parse_level, parse_override, utf8_path, views};
 use clap::{Args, Subcommand};
 use microsim_mesh::Zone;
-use microsim_settings::{LawName, Override};
+use microsim_settings::{DebugView, LawName, Override};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -48,6 +48,10 @@ pub struct SimulateArgs {
     /// Draw pictures (PNG) into this folder, one per frame
     #[arg(long, value_name = "DIR", value_parser = utf8_path)]
     pub frames: Option<PathBuf>,
+    /// Lay over the pictures what is computed; may be given several times, of stress, quality and remedies one. Stress: von Mises, in Pa; quality: of the worst element at a
+    /// node, 1 of a regular tetrahedron; remedies: what had to be done so that it could be computed
+    #[arg(long, value_name = "WHAT", requires = "frames", value_parser = views())]
+    pub view: Vec<DebugView>,
     /// Exit with status 1 unless all that was expected came out
     #[arg(long)]
     pub require: bool,

@@ -1,11 +1,11 @@
 //! Commands that make sessions, and that show them.
 
 use super::value::{
-    parse_hand, parse_input, parse_level, parse_rate, parse_seconds, table_path, utf8_path,
+    parse_hand, parse_input, parse_level, parse_rate, parse_seconds, table_path, utf8_path, views,
 };
 use clap::Args;
 use microsim_host::assemble::Input;
-use microsim_settings::DominantHand;
+use microsim_settings::{DebugView, DominantHand};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -40,6 +40,10 @@ pub struct RunArgs {
     /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
     #[arg(long, value_name = "HZ", requires = "frames", value_parser = parse_rate)]
     pub frame_rate: Option<f64>,
+    /// Lay over the pictures what is computed; may be given several times, of stress, quality and remedies one. Stress: von Mises, in Pa; quality: of the worst element at a
+    /// node, 1 of a regular tetrahedron; remedies: what had to be done so that it could be computed
+    #[arg(long, value_name = "WHAT", requires = "frames", value_parser = views())]
+    pub view: Vec<DebugView>,
     /// Draw no pictures of the key moments into the report; with --json there are none
     #[arg(long)]
     pub no_pictures: bool,
@@ -106,6 +110,10 @@ pub struct ReplayArgs {
     /// Pictures per simulated second [default: `picture.rate` of config/host.toml]
     #[arg(long, value_name = "HZ", requires = "frames", value_parser = parse_rate)]
     pub frame_rate: Option<f64>,
+    /// Lay over the pictures what is computed; may be given several times, of stress, quality and remedies one. Stress: von Mises, in Pa; quality: of the worst element at a
+    /// node, 1 of a regular tetrahedron; remedies: what had to be done so that it could be computed
+    #[arg(long, value_name = "WHAT", requires = "frames", value_parser = views())]
+    pub view: Vec<DebugView>,
     /// Threads for parallel work
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
     pub threads: u16,

@@ -1,7 +1,8 @@
 //! Values of options: text to what it names, or what was expected instead.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use microsim_host::assemble::{Input, Isolate};
-use microsim_settings::{DominantHand, Override};
+use microsim_settings::{DebugView, DominantHand, Override};
 use microsim_store::Role;
 use microsim_table::Format;
 use std::path::PathBuf;
@@ -43,6 +44,11 @@ pub fn parse_isolate(text: &str) -> Result<Isolate, String> {
 /// Paths go into sessions and reports as text.
 pub fn utf8_path(text: &str) -> Result<PathBuf, String> {
     Ok(text.into())
+}
+
+/// What is laid over pictures.
+pub fn views() -> impl TypedValueParser<Value = DebugView> {
+    PossibleValuesParser::new(DebugView::NAMES).try_map(|name| name.parse::<DebugView>())
 }
 
 /// Another value for a key.

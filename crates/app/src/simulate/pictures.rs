@@ -2,9 +2,12 @@
 
 use crate::scene_file::SceneFile;
 use microsim_gpu::Gpu;
-use microsim_render::{Finish, Item, Picture, Quality, Renderer, Shape, Tissue, View, snapshot};
-use microsim_scene::{ObstaclePart, ObstacleShape, ObstacleSpec, Runner, Scene};
-use microsim_settings::{self as settings, unwritable};
+use microsim_render::{
+    Fields, Finish, Item, LegendWords, Picture, Quality, Renderer, Shape, Tissue, View, debug,
+    snapshot,
+};
+use microsim_scene::{Material, ObstaclePart, ObstacleShape, ObstacleSpec, Runner, Scene};
+use microsim_settings::{self as settings, DebugView, unwritable};
 use std::path::{Path, PathBuf};
 
 /// Width and height \[pixels\].
@@ -14,6 +17,8 @@ const FIELD: f64 = 1.3;
 const TILT: f64 = 0.9;
 /// Tools with capsules of their own.
 const METAL: [f32; 3] = [0.83, 0.85, 0.86];
+/// Opacity of capsules that are laid over a tool.
+const FAINT: f32 = 0.35;
 /// A folder into which a run is drawn.
 pub struct Pictures {
     folder: PathBuf,
@@ -24,6 +29,9 @@ pub struct Pictures {
     rigid: Vec<Item>,
     /// Of each tool its name in `config/tools` and its shape; those with capsules of their own have none.
     models: Vec<Option<(String, settings::Tool)>>,
+    /// What is laid over them, and for that the materials of each body by the regions of its mesh.
+    views: Vec<DebugView>,
+    materials: Vec<Vec<(u32, Material)>>,
     /// Time between two pictures \[s\], and the time of the next one.
     interval: f64,
     next: f64,
@@ -32,7 +40,7 @@ pub struct Pictures {
 
 impl Pictures {
     /// Begins in `folder`, which is made, with the start of the scene.
-    pub fn new(folder: &Path, scene: &SceneFile) -> Result<Self, String> {
+    pub fn new(folder: &Path, scene: &SceneFile, views: &[DebugView]) -> Result<Self, String> {
         std::fs::create_dir_all(folder).map_err(|e| unwritable(folder, e))?;
         let gpu = Gpu::off_screen().map_err(|e| e.to_string())?;
         let mut renderer = Renderer::new(&gpu).map_err(|e| e.to_string())?;
@@ -53,6 +61,13 @@ impl Pictures {
                 .body
                 .iter()
                 .map(|body| (colour(body.colour), body.name.contains("vein")))
+                .collect(),
+            views: views.to_vec(),
+            materials: scene
+                .spec
+                .bodies
+                .iter()
+                .map(|b| b.materials.clone())
                 .collect(),
             interval: settings.run.frame,
             next: 0.0,
@@ -99,25 +114,34 @@ impl Pictures {
                     };
                     snapshot::tool(name, model, pose, motion.opening_to, 1.0)
                 }
-                None => {
-                    let capsules = scene.own_capsules(motion.tool).into_iter();
-                    let item = capsules.map(|capsule| {
-                        let shape = Shape::Capsule {
-                            a: capsule.a.into(),
-                            b: capsule.b.into(),
-                            radius: capsule.radius,
-                        };
-                        Item::new(shape, [0.0; 3], METAL, Finish::Metal)
-                    });
-                    item.collect()
-                }
+                None => capsules(scene, motion.tool),
             });
-        let items = self.rigid.iter().cloned().chain(tools).collect();
-        let picture = Picture {
+        let mut items: Vec<Item> = self.rigid.iter().cloned().chain(tools).collect();
+        if self.views.contains(&DebugView::Capsules) {
+            let all = motions.iter();
+            let all = all.flat_map(|motion| capsules(scene, motion.tool));
+            items.extend(all.map(|item| Item {
+                opacity: FAINT,
+                ..item
+            }));
+        }
+        let mut picture = Picture {
             tissues: bodies.collect(),
             ..Picture::new((SIZE, SIZE), self.view, items)
         };
-        let image = self.renderer.draw(&picture).map_err(|e| e.to_string())?;
+        let legend = debug::bodies(&mut picture, &self.views, |tissue| {
+            let body = tissue.body as usize;
+            let fields = scene.body(body).node_fields(&self.materials[body]);
+            Fields {
+                von_mises: fields.von_mises.unwrap_or_default(),
+                quality: fields.quality,
+                remedies: fields.remedies,
+            }
+        });
+        let mut image = self.renderer.draw(&picture).map_err(|e| e.to_string())?;
+        if let Some(legend) = legend {
+            image.write_legend(&legend, &LegendWords::ENGLISH);
+        }
         let path = self.folder.join(format!("frame-{:06}.png", self.count));
         image
             .write_png(&path)
@@ -130,6 +154,20 @@ impl Pictures {
     pub fn finish(self) -> (PathBuf, usize) {
         (self.folder, self.count)
     }
+}
+
+/// The capsules of a tool where it is now.
+fn capsules(scene: &Scene, tool: usize) -> Vec<Item> {
+    let capsules = scene.own_capsules(tool).into_iter();
+    let items = capsules.map(|capsule| {
+        let shape = Shape::Capsule {
+            a: capsule.a.into(),
+            b: capsule.b.into(),
+            radius: capsule.radius,
+        };
+        Item::new(shape, [0.0; 3], METAL, Finish::Metal)
+    });
+    items.collect()
 }
 
 /// The shapes of tools that are some of `config/tools`.

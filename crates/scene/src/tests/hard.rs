@@ -121,11 +121,12 @@ fn moved(tool: usize, from: [f64; 3], to: [f64; 3]) -> ToolMotion {
     }
 }
 
-/// How many ticks of a run ended at their start, and in how many something touched.
+/// How many ticks of a run ended at their start, in how many something touched, and at how many nodes overlaps were undone.
 #[derive(Clone, Copy, Debug, Default)]
 struct Went {
     failed: usize,
     touched: usize,
+    undone: usize,
 }
 
 /// Advances by `ticks`; a tick that fails is one that containment has rolled back and reported. Nothing may be further from its
@@ -142,7 +143,14 @@ fn survive(
     for tick in 0..ticks {
         let before = scene.save();
         match scene.tick(&motions(tick), TICK, steps, &Serial) {
-            Ok(report) => went.touched += usize::from(!report.contacts.is_empty()),
+            Ok(report) => {
+                went.touched += usize::from(!report.contacts.is_empty());
+                for (body, ids) in &report.overlaps_undone {
+                    went.undone += ids.len();
+                    let known = scene.body(*body).node_ids();
+                    assert!(ids.iter().all(|id| known.contains(id)), "{case}: {ids:?}");
+                }
+            }
             Err(diverged) => {
                 went.failed += 1;
                 assert!(!diverged.to_string().is_empty());
@@ -205,8 +213,10 @@ fn a_tool_that_appears_inside_tissue() {
         let there = moved(0, place, place);
         let went = survive(&mut scene, 20, SIDE, case, |_| vec![there]);
         assert!(went.touched > 0, "{case}: {went:?}");
+        // What was inside when the rod came was not pushed there by it.
+        assert!(went.undone > 0, "{case}: {went:?}");
         let went = survive(&mut scene, 60, SIDE, case, |_| Vec::new());
-        assert_eq!(went.failed, 0, "{case}");
+        assert_eq!((went.failed, went.undone), (0, 0), "{case}");
         let both = scene
             .body(0)
             .positions()

@@ -2,9 +2,10 @@
 
 use crate::player::{Player, State};
 use crate::station::{Computation, Recording};
+use microsim_bus::{Block, BlockBuilder};
 use microsim_host::playback::{Messages, Moment, Standing};
 use microsim_host::replay::Difference;
-use microsim_message::SetupFile;
+use microsim_message::{SetupFile, TISSUE_FIELDS};
 use microsim_settings::RendererConfig;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -35,6 +36,8 @@ struct Counted {
     /// Reading fails from here on.
     fails_at: Option<u64>,
     tick_s: f64,
+    /// Whether states have a block for pictures of the computation.
+    shows_fields: bool,
     picture: RendererConfig,
 }
 
@@ -52,6 +55,7 @@ impl Counted {
             is_read: Arc::new(AtomicBool::new(true)),
             rounds: Arc::default(),
             tick_s: 0.001,
+            shows_fields: false,
             picture,
         }
     }
@@ -108,6 +112,9 @@ impl Computation for Counted {
     fn rebuilt(&self) -> Vec<String> {
         vec!["counted".into()]
     }
+    fn show_fields(&mut self, shows: bool) {
+        self.shows_fields = shows;
+    }
     fn seek(&mut self, tick: u64) -> Result<(), String> {
         let reached = tick.min(self.standing.compared);
         let checkpoint = reached / SPACING * SPACING;
@@ -138,7 +145,13 @@ impl Computation for Counted {
         Ok(Some(Moment {
             tick,
             messages: Messages::new(),
-            blocks: Vec::new(),
+            blocks: match self.shows_fields {
+                true => {
+                    let words = BlockBuilder::new(TISSUE_FIELDS, "body", 0, tick).finish();
+                    vec![Block::new(&words).expect("a block")]
+                }
+                false => Vec::new(),
+            },
         }))
     }
 }
@@ -161,6 +174,37 @@ fn shown(player: &Player, tick: u64) -> State {
     until(player, "the tick is shown", |state| {
         state.shown == Some(tick)
     })
+}
+
+/// What is shown is computed again with what pictures of the computation show, from the checkpoint before it on, and without it again; no other tick is shown meanwhile.
+#[test]
+fn what_is_shown_has_fields_once_they_are_asked_for() {
+    let counted = Counted::new();
+    let player = counted.play(120);
+    shown(&player, 120);
+    let first = player.take().expect("a state");
+    assert_eq!(first.bodies().count(), 0);
+    for (shows, blocks) in [(true, 1), (false, 0)] {
+        counted.computed.lock().expect("no panic").clear();
+        player.show_fields(shows);
+        let since = Instant::now();
+        let again = loop {
+            if let Some(snapshot) = player.take() {
+                break snapshot;
+            }
+            assert!(since.elapsed() < PATIENCE, "nothing is shown");
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        assert_eq!((again.tick, again.bodies().count()), (120, blocks));
+        let computed = counted.computed.lock().expect("no panic").clone();
+        assert_eq!(computed, (100..=120).collect::<Vec<u64>>());
+    }
+    // Later ticks have what is asked for then.
+    player.show_fields(true);
+    player.go_to(121);
+    shown(&player, 121);
+    let later = player.take().expect("a state");
+    assert_eq!((later.tick, later.bodies().count()), (121, 1));
 }
 
 #[test]

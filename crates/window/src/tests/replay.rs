@@ -74,7 +74,7 @@ fn show(ui: &mut Ui, report: &Report, state: &State, language: Language) -> Vec<
         films: true,
         panels: true,
     };
-    console.show(ui, language)
+    console.show(ui, &mut Vec::new(), language)
 }
 
 #[test]
