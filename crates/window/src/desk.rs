@@ -1,5 +1,7 @@
 //! Which screen is shown, and what leads from one to the next.
 
+mod shown;
+
 use crate::appearance::{self, Appearance};
 use crate::debrief::{self, Next};
 use crate::device::{self, Fault, Waker};
@@ -17,7 +19,7 @@ use crate::station::{Catalogue, Choice, LevelEntry, ModuleEntry, Station, Traine
 use crate::steering::{self, Stage};
 use crate::text;
 use crate::threads;
-use crate::training::{Outcome, Training};
+use crate::training::Training;
 use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, Key, RichText, Ui};
 use microsim_audio::Player;
@@ -530,80 +532,5 @@ fn other(language: Language) -> Language {
     match language {
         Language::German => Language::English,
         Language::English => Language::German,
-    }
-}
-
-impl device::Shown for Desk {
-    fn release(&mut self) {
-        self.field = None;
-    }
-
-    fn take(&mut self, context: &eframe::CreationContext<'_>, why: &str) -> Result<(), String> {
-        self.field = Some(field_of(context, &self.settings)?);
-        self.launcher.take_new_device();
-        look::apply(&context.egui_ctx);
-        self.waker.turn_to(&context.egui_ctx);
-        match &mut self.screen {
-            Screen::Training(training) => training.take_new_device(why),
-            Screen::Replay(replay, _) => replay.take_new_device(),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn pause(&mut self) {
-        if let Screen::Training(training) = &self.screen {
-            training.pause();
-        }
-    }
-
-    fn lost(&self) -> Option<String> {
-        self.field.as_ref().and_then(Field::lost)
-    }
-
-    fn show(&mut self, ui: &mut Ui) {
-        // A file that is dropped where it can be read, or one click before.
-        let takes_files = matches!(self.screen, Screen::Launcher | Screen::Records(_));
-        if takes_files && !ui.input(|input| input.raw.dropped_files.is_empty()) {
-            self.open_upkeep();
-        }
-        self.press_by_controllers(ui);
-        self.set_by_keys(ui);
-        let panels = self.settings.panels;
-        match &self.screen {
-            Screen::Debrief(..) => self.left_films.show(ui, self.language),
-            // What came of a film is stated where its replay has led to.
-            _ => self.left_films.forget(),
-        }
-        match &mut self.screen {
-            Screen::Settings(_) => self.show_settings(ui),
-            Screen::Editor(_) => self.show_editor(ui),
-            Screen::Launcher => self.show_launcher(ui),
-            Screen::Debrief(..) => self.show_debrief(ui),
-            Screen::Replay(..) => self.show_replay(ui),
-            Screen::Records(_) => self.show_records(ui),
-            Screen::Upkeep => self.show_upkeep(ui),
-            Screen::Complaint(_) => self.show_complaint(ui),
-            Screen::Training(training) => {
-                let Some(field) = &mut self.field else {
-                    return;
-                };
-                match training.show(ui, field, panels, self.language) {
-                    None => {}
-                    Some(Outcome::Back) => self.screen = Screen::Launcher,
-                    Some(Outcome::Restart) => {
-                        let choice = training.choice.clone();
-                        self.begin(choice);
-                    }
-                    Some(Outcome::Ended(Ok(debrief))) => {
-                        let choice = training.choice.clone();
-                        self.screen = Screen::Debrief(debrief, choice);
-                        ui.ctx().request_repaint();
-                    }
-                    Some(Outcome::Ended(Err(why))) => self.screen = Screen::Complaint(why),
-                }
-            }
-        }
-        shortcut::note_use(ui.ctx());
     }
 }
