@@ -46,9 +46,15 @@ impl Fields {
 /// Bodies in the colours of a view that colours surfaces, and what the colours mean. What has no values, or values of other nodes, is grey.
 pub fn surfaces(view: DebugView, bodies: &[(Tissue, Fields)]) -> (Vec<Item>, Legend) {
     if view == DebugView::Remedies {
-        let items = bodies
-            .iter()
-            .flat_map(|(tissue, of)| remedied(tissue, &of.remedies));
+        let items = bodies.iter().flat_map(|(tissue, of)| {
+            match of.remedies.len() == tissue.positions.len() {
+                true => remedied(tissue, &of.remedies),
+                false => {
+                    let all = tissue.triangles.iter();
+                    vec![part(tissue, all.copied().collect(), NO_VALUE)]
+                }
+            }
+        });
         return (items.collect(), Legend::Remedies);
     }
     let seen = bodies.iter().flat_map(|(tissue, of)| {

@@ -99,6 +99,7 @@ impl LegendWords<'static> {
 impl Legend {
     /// A scale of these stresses \[Pa\], of which at most this part may lie above its end.
     pub(crate) fn of_stress(mut values: Vec<f64>, above: f64) -> Self {
+        values.retain(|value| value.is_finite());
         values.sort_by(f64::total_cmp);
         let place = ((1.0 - above) * values.len() as f64).ceil() as usize;
         let largest = values.last().copied().unwrap_or_default();
@@ -119,7 +120,11 @@ impl Legend {
             Self::Stress { .. } | Self::Remedies => 0.0,
             Self::Quality => value,
         };
-        part.clamp(0.0, 1.0)
+        // Where forces overflow there is no smaller one.
+        match part.is_nan() {
+            true => 1.0,
+            false => part.clamp(0.0, 1.0),
+        }
     }
 
     /// What is shown of several remedies by their bits; `None` of none.
@@ -273,6 +278,15 @@ mod tests {
     }
 
     /// Where no body has a stress the legend states that, and has no scale.
+    /// Stress that overflows does not make the scale, and has its last colour.
+    #[test]
+    fn what_is_no_number_is_at_the_end() {
+        let legend = scale(&[f64::NAN, 1.0, 2.0, f64::INFINITY]);
+        assert_eq!(legend, scale(&[1.0, 2.0]));
+        assert_eq!(legend.part(f64::NAN), 1.0);
+        assert_eq!(legend.part(f64::INFINITY), 1.0);
+    }
+
     #[test]
     fn without_values_there_is_no_scale() {
         let legend = scale(&[]);

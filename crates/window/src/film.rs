@@ -187,6 +187,7 @@ fn next(computation: &mut dyn Computation) -> Result<microsim_host::playback::Mo
 mod tests {
     use super::*;
     use crate::films::Video;
+    use std::sync::mpsc::{Receiver, channel};
     use std::time::{Duration, Instant};
 
     /// 25 pictures a second are one in 40 ms: five ticks of 8 ms, two or three of 16 ms, and a tick of 50 ms stands for one or two.
@@ -236,14 +237,27 @@ mod tests {
 
     /// Films ticks of a session of 100 ticks of 16 ms; a picture is the number of its tick, drawn once the gate is open.
     fn film(section: [u64; 2], room: usize, gate: &Arc<Mutex<()>>) -> (Filming, Pictures) {
+        let (filming, pictures, _) = announced(section, room, gate);
+        (filming, pictures)
+    }
+
+    /// As [`film`], with a message whenever a picture comes to the gate.
+    fn announced(
+        section: [u64; 2],
+        room: usize,
+        gate: &Arc<Mutex<()>>,
+    ) -> (Filming, Pictures, Receiver<()>) {
         let pictures = Pictures::default();
         let gate = Arc::clone(gate);
+        let (comes, at_gate) = channel();
         let scene = Scene {
             recording: crate::tests::player::counted(100, 0.016),
             section,
             shows_fields: false,
             camera: Box::new(move || {
                 let draw = move |seen: &Snapshot| {
+                    // Nobody needs to listen.
+                    let _ = comes.send(());
                     drop(gate.lock());
                     Ok(vec![seen.tick as u8])
                 };
@@ -255,7 +269,7 @@ mod tests {
             }),
         };
         let filming = Filming::start(scene, || ()).expect("a thread");
-        (filming, pictures)
+        (filming, pictures, at_gate)
     }
 
     fn ended(filming: &mut Filming) -> Result<Filmed, String> {
@@ -307,7 +321,10 @@ mod tests {
     fn a_film_that_is_left_is_stopped_and_states_what_came_of_it() {
         let gate = Arc::new(Mutex::new(()));
         let closed = gate.lock().expect("no panic");
-        let (filming, pictures) = film([0, 99], 1000, &gate);
+        let (filming, pictures, at_gate) = announced([0, 99], 1000, &gate);
+        at_gate
+            .recv_timeout(Duration::from_secs(20))
+            .expect("a first picture");
         let mut left = crate::left_films::LeftFilms::default();
         left.leave(Some(filming));
         left.look();
@@ -336,13 +353,16 @@ mod tests {
     fn a_film_that_is_stopped_or_finds_no_room_leaves_what_it_has() {
         let gate = Arc::new(Mutex::new(()));
         let closed = gate.lock().expect("no panic");
-        let (mut filming, pictures) = film([0, 99], 1000, &gate);
-        // It waits with its first picture.
+        let (mut filming, pictures, at_gate) = announced([0, 99], 1000, &gate);
+        at_gate
+            .recv_timeout(Duration::from_secs(20))
+            .expect("a first picture");
         filming.stop();
         drop(closed);
         let filmed = ended(&mut filming).expect("what there is");
         assert_eq!(filmed.video, Video::Stopped);
-        assert!(pictures.lock().expect("no panic").len() <= 1);
+        // The one that was drawn then.
+        assert_eq!(pictures.lock().expect("no panic").len(), 1);
 
         let (mut filming, pictures) = film([0, 99], 3, &gate);
         let why = ended(&mut filming).expect_err("no room");

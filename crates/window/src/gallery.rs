@@ -36,7 +36,8 @@ impl LevelPicture {
     /// Draws it in the middle of a place.
     pub fn draw(&self, ui: &Ui, place: Rect) {
         let size = self.size_in(place.size());
-        let texture = match size.x <= 0.5 * self.large.size_vec2().x {
+        let pixels = size.x * ui.ctx().pixels_per_point();
+        let texture = match pixels <= 0.5 * self.large.size_vec2().x {
             true => &self.small,
             false => &self.large,
         };

@@ -196,8 +196,8 @@ impl Launcher {
         });
     }
 
-    /// Reads pictures again when they are shown next: the graphics device is another one.
-    pub fn take_new_device(&mut self) {
+    /// Lets go of the pictures, and so of the device that shows them: they are read again when they are shown next.
+    pub fn let_go_of_pictures(&mut self) {
         self.gallery = Gallery::default();
     }
 

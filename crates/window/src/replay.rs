@@ -112,8 +112,8 @@ impl Replay {
         })
     }
 
-    /// Draws with another device.
-    pub fn take_new_device(&mut self) {
+    /// Lets go of the picture, and so of the device that has drawn it.
+    pub fn let_go_of_picture(&mut self) {
         self.canvas.redraw();
     }
 

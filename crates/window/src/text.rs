@@ -331,7 +331,7 @@ phrases! {
     ELEMENT_QUALITY: "Güte der Elemente", "Quality of elements";
     REMEDIES: "Abhilfen", "Remedies";
     LEGEND_STRESS: "Spannung nach von Mises", "von Mises stress";
-    LEGEND_NO_STRESS: "keine Spannung in einem Körper", "no stress in any body";
+    LEGEND_NO_STRESS: "in keinem Körper eine Spannung", "no stress in any body";
     LEGEND_QUALITY: "schlechtestes Element am Knoten", "worst element at a node";
     LEGEND_REMEDIES: "was die Rechnung brauchte", "what the computation needed";
     REMEDY_INERTIA: "Trägheit zugefügt", "inertia added";

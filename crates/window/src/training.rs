@@ -118,9 +118,13 @@ impl Training {
         self.live.pause(true);
     }
 
+    /// Lets go of the picture, and so of the device that has drawn it.
+    pub fn let_go_of_picture(&mut self) {
+        self.canvas.redraw();
+    }
+
     /// Draws with another device: the one of before was lost for this reason. Whoever saw nothing for a while decides when the run goes on.
     pub fn take_new_device(&mut self, why: &str) {
-        self.canvas.redraw();
         self.lost = Some(why.to_owned());
     }
 

@@ -3,8 +3,8 @@
 use crate::look;
 use crate::text::{self, Phrase};
 use eframe::egui::{
-    Align2, Button, CollapsingHeader, Color32, FontId, Key, Modifiers, Painter, Pos2, Rect, Ui,
-    vec2,
+    Align2, Button, CollapsingHeader, Color32, Event, FontId, Key, Modifiers, Painter, Pos2, Rect,
+    Ui, vec2,
 };
 use microsim_render::{Legend, LegendWords, colour_of};
 use microsim_vocabulary::{DebugView, Language};
@@ -53,7 +53,26 @@ fn toggle(views: &mut Vec<DebugView>, view: DebugView) {
 /// Does what keys ask for, and takes them from all others.
 pub fn press(ui: &Ui, views: &mut Vec<DebugView>) {
     for (view, key) in DebugView::ALL.into_iter().zip(KEYS) {
-        if ui.input_mut(|input| input.consume_key(Modifiers::CTRL, key)) {
+        let is_pressed = ui.input_mut(|input| {
+            let pressed = |event: &Event| {
+                let Event::Key {
+                    key: of,
+                    pressed: true,
+                    repeat: false,
+                    modifiers,
+                    ..
+                } = event
+                else {
+                    return false;
+                };
+                *of == key && modifiers.matches_logically(Modifiers::CTRL)
+            };
+            let is_pressed = input.events.iter().any(pressed);
+            // Repeats of a key that is held, too.
+            input.consume_key(Modifiers::CTRL, key);
+            is_pressed
+        });
+        if is_pressed {
             toggle(views, view);
         }
     }

@@ -165,15 +165,20 @@ mod tests {
     use super::*;
     use std::ffi::OsStr;
     use std::fs;
-    use std::os::unix::fs::PermissionsExt;
     use std::sync::Arc;
+    use std::time::Instant;
 
     /// A program that does what a line of the shell does; `$last` is the file that it is to make.
     fn program(folder: &Path, line: &str) -> OsString {
         let path = folder.join(PROGRAM);
         let text = format!("#!/bin/sh\nfor last; do :; done\n{line}\n");
-        fs::write(&path, text).expect("a script");
-        fs::set_permissions(&path, fs::Permissions::from_mode(0o700)).expect("set");
+        // Written by another process: a child that some other test has forked just then would hold the file open for writing, and it could not be executed.
+        let write = "printf %s \"$1\" > \"$2\" && chmod 700 \"$2\"";
+        let written = Command::new("sh")
+            .args(["-c", write, "sh", &text])
+            .arg(&path)
+            .status();
+        assert!(written.expect("a shell").success());
         // Beside those that a line uses.
         let others = std::env::var_os("PATH").unwrap_or_default();
         let all = std::iter::once(folder.into()).chain(std::env::split_paths(&others));
@@ -260,7 +265,8 @@ mod tests {
         let is_stopped = Arc::new(AtomicBool::new(false));
         let (seen, stop) = (number.clone(), Arc::clone(&is_stopped));
         let stopper = std::thread::spawn(move || {
-            while !seen.exists() {
+            let since = Instant::now();
+            while !seen.exists() && since.elapsed() < Duration::from_secs(20) {
                 std::thread::sleep(Duration::from_millis(5));
             }
             stop.store(true, Ordering::Relaxed);

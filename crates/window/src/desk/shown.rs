@@ -11,17 +11,20 @@ use eframe::egui::Ui;
 impl device::Shown for Desk {
     fn release(&mut self) {
         self.field = None;
+        self.launcher.let_go_of_pictures();
+        match &mut self.screen {
+            Screen::Training(training) => training.let_go_of_picture(),
+            Screen::Replay(replay, _) => replay.let_go_of_picture(),
+            _ => {}
+        }
     }
 
     fn take(&mut self, context: &eframe::CreationContext<'_>, why: &str) -> Result<(), String> {
         self.field = Some(field_of(context, &self.settings)?);
-        self.launcher.take_new_device();
         look::apply(&context.egui_ctx);
         self.waker.turn_to(&context.egui_ctx);
-        match &mut self.screen {
-            Screen::Training(training) => training.take_new_device(why),
-            Screen::Replay(replay, _) => replay.take_new_device(),
-            _ => {}
+        if let Screen::Training(training) = &mut self.screen {
+            training.take_new_device(why);
         }
         Ok(())
     }
@@ -48,7 +51,10 @@ impl device::Shown for Desk {
         match &self.screen {
             Screen::Debrief(..) => self.left_films.show(ui, self.language),
             // What came of a film is stated where its replay has led to.
-            _ => self.left_films.forget(),
+            _ => {
+                self.left_films.look();
+                self.left_films.forget();
+            }
         }
         match &mut self.screen {
             Screen::Settings(_) => self.show_settings(ui),
