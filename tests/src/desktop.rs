@@ -258,6 +258,26 @@ impl Display {
         self.xdotool(&[action, &button.to_string()]);
     }
 
+    /// Clicks on a widget that shows whether the pointer is above it. Waits until that is seen: of all that comes before one picture the window knows the last place of the pointer
+    /// alone. Where nothing answers, two seconds pass.
+    pub fn click(&self, place: [i32; 2]) {
+        let [x, y] = place.map(|c| usize::try_from(c).unwrap_or(0));
+        let around = |shot: Shot| -> Vec<[u8; 3]> {
+            let rows = y.saturating_sub(16)..(y + 16).min(shot.size[1]);
+            let columns = x.saturating_sub(40)..(x + 40).min(shot.size[0]);
+            rows.flat_map(|y| shot.pixels[y * shot.size[0]..][columns.clone()].to_vec())
+                .collect()
+        };
+        let before = around(self.shot());
+        self.point(place);
+        let start = Instant::now();
+        while start.elapsed() < Duration::from_secs(2) && around(self.shot()) == before {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        self.button(1, true);
+        self.button(1, false);
+    }
+
     /// A picture of it.
     ///
     /// # Panics

@@ -308,36 +308,29 @@ fn four_clicks_find_compare_and_export() {
     let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
     let text = |shot: &Shot| some(shot.find([[0, 60], [500, 700]], is_text), 500);
     display.wait_for("the launcher", Duration::from_secs(60), text);
-    let click = |place: [i32; 2]| {
-        display.point(place);
-        // A window learns of the pointer with its next picture.
-        std::thread::sleep(Duration::from_millis(300));
-        display.button(1, true);
-        display.button(1, false);
-    };
     let most = Duration::from_secs(30);
     // Words in the colours of verdicts, and of what became better or worse.
     let is_orange = |[r, g, b]: [u8; 3]| r > 200 && (120..180).contains(&g) && b < 100;
     let list = [[320, 100], [1280, 640]];
-    click(RECORDS);
+    display.click(RECORDS);
     display.wait_for("the results of all", most, |shot| {
         some(shot.find(list, is_passed), 200)
     });
-    click(FIRST_NAME);
+    display.click(FIRST_NAME);
     // Both attempts of one, of which one failed, marked: the letters are blue.
     let is_blue = |[r, g, b]: [u8; 3]| r < 120 && (150..200).contains(&g) && b > 200;
     display.wait_for("the results of A. Muster", most, |shot| {
         some(shot.find([[316, 145], [332, 205]], is_blue), 20)
     });
     keep(&display, "window-results");
-    click(COMPARE);
+    display.click(COMPARE);
     let better = [[1100, 160], [1280, 640]];
     display.wait_for("what became better and worse", most, |shot| {
         some(shot.find(better, is_passed), 40)?;
         some(shot.find(better, is_orange), 20)
     });
     keep(&display, "window-comparison");
-    click(EXPORT);
+    display.click(EXPORT);
     let table = the_file(&station.data().join("tables"), "csv", most);
     let done = [[320, 60], [1280, 130]];
     display.wait_for("that it is written", most, |shot| {
@@ -352,7 +345,7 @@ fn four_clicks_find_compare_and_export() {
     assert_eq!(column("session").len(), 3);
     assert_eq!(column("groups"), BTreeSet::from(["2026"]));
     assert_eq!(column("name"), BTreeSet::from(["A. Muster", "B. Beispiel"]));
-    read_files(&display, &station, click);
+    read_files(&display, &station);
 }
 
 /// The settings are changed and stored by mouse; the next window has them, and the program refuses none of what was written.
@@ -372,13 +365,6 @@ fn settings_are_stored_for_the_station() {
     let is_text = |[r, g, b]: [u8; 3]| r > 220 && g > 220 && b > 220;
     let launcher = |shot: &Shot| some(shot.find([[0, 60], [500, 700]], is_text), 500);
     display.wait_for("the launcher", most, launcher);
-    let click = |place: [i32; 2]| {
-        display.point(place);
-        // A window learns of the pointer with its next picture.
-        std::thread::sleep(Duration::from_millis(300));
-        display.button(1, true);
-        display.button(1, false);
-    };
     display.focus("MicroSim");
     display.key("F5");
     // Below the rows there is nothing, where the launcher has modules.
@@ -387,8 +373,12 @@ fn settings_are_stored_for_the_station() {
         some(shot.find([[0, 60], [300, 340]], is_text), 200).filter(|_| below.is_none())
     });
     keep(&display, "window-settings");
-    click(GERMAN);
-    click(STORE);
+    display.click(GERMAN);
+    // The German heading is longer than "Settings".
+    display.wait_for("German", most, |shot| {
+        some(shot.find([[110, 8], [160, 36]], is_text), 20)
+    });
+    display.click(STORE);
     let file = the_file(
         &station.data().join("config"),
         "toml",
@@ -407,7 +397,7 @@ fn settings_are_stored_for_the_station() {
 }
 
 /// From the results: a course is read from its file, whose path is typed, and shown with the group that takes it; a table with a mistake is refused with its line.
-fn read_files(display: &Display, station: &Station, click: impl Fn([i32; 2])) {
+fn read_files(display: &Display, station: &Station) {
     let most = Duration::from_secs(30);
     let orange = |[r, g, b]: [u8; 3]| r > 200 && (120..180).contains(&g) && b < 100;
     let said = [[0, 610], [1280, 720]];
@@ -422,12 +412,12 @@ fn read_files(display: &Display, station: &Station, click: impl Fn([i32; 2])) {
     display.key("F6");
     std::thread::sleep(Duration::from_secs(1));
     let read = |file: &Path| {
-        click(PATH);
+        display.click(PATH);
         std::thread::sleep(Duration::from_secs(1));
         display.key("ctrl+a");
         display.text(file.to_str().expect("text"));
         std::thread::sleep(Duration::from_millis(500));
-        click(READ);
+        display.click(READ);
     };
     read(&course);
     display.wait_for("that the course is read", most, |shot| {
@@ -440,7 +430,7 @@ fn read_files(display: &Display, station: &Station, click: impl Fn([i32; 2])) {
     display.wait_for("what is wrong with the table", most, |shot| {
         some(shot.find(said, orange), 100)
     });
-    click(FIRST_COURSE);
+    display.click(FIRST_COURSE);
     std::thread::sleep(Duration::from_secs(1));
     keep(display, "window-data");
     let courses = station.microsim(&["courses", "list", "--json"]).expect(0);

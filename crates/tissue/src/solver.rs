@@ -81,8 +81,8 @@ pub trait Solver: Debug + Send {
     /// system, in a time in proportion to the body: some milliseconds for 3,000 tetrahedra.
     fn follow(&mut self, model: &TissueModel);
 
-    /// How much work the steps from now on may take, as a multiple of the iterations of the method. Above 1 an early-terminated step does not end
-    /// for stagnation either. Of no effect on a method without iterations.
+    /// How much work the steps from now on may take, as a multiple of the iterations of the method. Above 1 contacts of an
+    /// early-terminated step take the augmented Lagrangian method, and it does not end for stagnation. Of no effect on a method without iterations.
     fn set_effort(&mut self, multiple: u32) {
         let _ = multiple;
     }

@@ -42,7 +42,9 @@ impl NewtonSolver {
         self.forget_operations();
         self.work = 0.0;
         self.contacts.failures = 0;
-        self.contacts.may_terminate_early = equation.rate > 0.0 && !newton.must_converge;
+        // What is repeated with more effort takes the other contact solver: what one cannot compute the other often can.
+        self.contacts.may_terminate_early =
+            equation.rate > 0.0 && !newton.must_converge && self.effort == 1;
         self.find(&problem, contact.as_mut());
         let tolerances = Tolerances {
             residual: newton.tolerance,
@@ -128,7 +130,7 @@ impl NewtonSolver {
                 false => stagnated + 1,
             };
             least = least.min(report.residual);
-            let stagnates = stagnated >= options.stagnation && self.effort == 1;
+            let stagnates = stagnated >= options.stagnation;
             if stagnates && self.takes_interior_point() && !overlaps {
                 break;
             }
