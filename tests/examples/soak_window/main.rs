@@ -1,5 +1,5 @@
 //! `cargo xtask soak window [-- MINUTES SEED]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
-//! Level after level by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
+//! First every level that is played later is shown once. Then level after level by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
 //! `tests/results/soak_window.md`.
 //!
 //! Ends with status 1 if the window panics, freezes, ends, loses a session or records one that does not replay, if memory grows, or if more ticks are late than may be.
@@ -15,6 +15,7 @@ use microsim_tests::driver::Driver;
 use microsim_tests::peers::Peer;
 use microsim_tests::{command, finish, microsim, repository, scratch};
 use player::Player;
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -213,7 +214,6 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
             .spawn()
             .map_err(|error| format!("the program: {error}"))?,
     );
-    let memory = account::watch(window.0.id());
     let mut player = Player::new(&display, seed, &data);
     player.focus()?;
     player.wait(3.0);
@@ -221,6 +221,19 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
 
     let levels = levels();
     let count = ((60.0 * minutes / SLOT).round() as usize).max(1);
+    // All of them, or as many as there is time for, evenly.
+    let levels: Vec<_> = (0..count)
+        .map(|n| match count < levels.len() {
+            true => &levels[(2 * n + 1) * levels.len() / (2 * count)],
+            false => &levels[n % levels.len()],
+        })
+        .collect();
+    let looked_at: BTreeSet<_> = levels.iter().collect();
+    for level in &looked_at {
+        player.focus()?;
+        player.look_at(level.0, level.2)?;
+    }
+    let memory = account::watch(window.0.id());
     let mut soak = Soak {
         minutes,
         seed,
@@ -232,12 +245,8 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
         recorded: 0,
         faults: Vec::new(),
     };
-    for n in 0..count {
-        // All of them, or as many as there is time for, evenly.
-        let level = match count < levels.len() {
-            true => &levels[(2 * n + 1) * levels.len() / (2 * count)],
-            false => &levels[n % levels.len()],
-        };
+    let before = player.begun();
+    for (n, level) in levels.into_iter().enumerate() {
         let event = EVENTS[n % EVENTS.len()];
         eprintln!("{} level {}: {event:?}", level.1, level.2);
         soak.slots.push((level.1.clone(), level.2, event));
@@ -259,7 +268,7 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
         memory.rest();
     }
     soak.memory = memory.stop();
-    let sessions = player.begun();
+    let sessions: BTreeSet<PathBuf> = player.begun().difference(&before).cloned().collect();
     // As a desktop closes a window: the last session ends with it.
     if let Ok(id) = player.focus() {
         let _ = display.ask(&["windowquit", &id]);

@@ -63,7 +63,7 @@ pub fn of(soak: &Soak, words: &[String]) -> (String, bool) {
     let happened = |event: Event| soak.slots.iter().filter(|slot| slot.2 == event).count();
     let mut text = format!(
         "# The window over {} minutes\n\nCommand: `cargo xtask soak window{arguments}`. One process, moved from outside by keys and mouse (seed {}), 1280 × 720 pixels at first, on a display and with a driver of the processor. \
-         Every quality of pictures was drawn in once before. {} levels were begun; in their middle the window was given other sizes {} times, minimised {} and unmapped {} times, moved to scales of 1.5 and 1.25 {} times, filled the screen {} times, \
+         Every quality of pictures was drawn in, and every level that is played was shown, once before. {} levels were begun; in their middle the window was given other sizes {} times, minimised {} and unmapped {} times, moved to scales of 1.5 and 1.25 {} times, filled the screen {} times, \
          lost its graphics device {} times, changed quality and panels {} times; {} levels were begun anew.\n\n",
         soak.minutes,
         soak.seed,

@@ -102,8 +102,15 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// From the launcher into a level; gives its session.
+    /// From the launcher into a level, which begins; gives its session.
     pub fn begin(&self, module: usize, level: u32) -> Result<PathBuf, String> {
+        let session = self.open(module, level)?;
+        self.start()?;
+        Ok(session)
+    }
+
+    /// From the launcher to the introduction of a level; gives its session.
+    pub fn open(&self, module: usize, level: u32) -> Result<PathBuf, String> {
         let before = self.begun();
         // What has the keyboard gives it back; then to the first module and from there.
         self.keys(&["Escape"])?;
@@ -115,11 +122,19 @@ impl<'a> Player<'a> {
         let mut words = vec!["key", "--delay", "60"];
         words.extend(keys);
         self.display.ask(&words)?;
-        let session = self.until("a level begins", || {
+        self.until("a level begins", || {
             self.begun().difference(&before).next().cloned()
-        })?;
-        self.start()?;
-        Ok(session)
+        })
+    }
+
+    /// Begins a level, shows it for a second and ends it: what it loads and compiles once is there from then on.
+    pub fn look_at(&mut self, module: usize, level: u32) -> Result<(), String> {
+        let session = self.open(module, level)?;
+        self.wait(2.0);
+        self.keys(&["Return"])?;
+        self.wait(1.0);
+        self.end(&session)?;
+        self.to_modules()
     }
 
     /// Leaves the introduction, which is there once the tissue is prepared; later the key has no meaning.

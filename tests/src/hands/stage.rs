@@ -1,9 +1,12 @@
 //! What of a level a random player has to know: its tools, where the tissue is, and poses in which the script that passes works on it.
 
 use crate::tree;
-use microsim_settings::{Unit, load_script, load_tool};
+use microsim_host::assemble::known_metrics;
+use microsim_scene::{LevelParts, level_spec};
+use microsim_settings::{Unit, load_level, load_manifest, load_script, load_tool};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt;
 use std::num::ParseIntError;
 use std::path::{Path, PathBuf};
@@ -157,18 +160,38 @@ pub fn passing_script(module: &str, level: &LevelName) -> PathBuf {
     tree().join(format!("modules/{module}/scripts/level{level}-pass.toml"))
 }
 
-/// Whether players know where the tissue of a level lies: its first body is a block, or it has none. They do not play on vessels yet.
+/// Middle and half of the sides of a box about the first body of a level, at rest \[m\]; `None` without tissue.
 ///
 /// # Errors
 /// The file that cannot be read, and why.
-pub fn is_known(module: &str, level: &LevelName) -> Result<bool, String> {
-    let path = level_file(module, level);
-    let text = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let file: Table = text
-        .parse()
-        .map_err(|e| format!("{}: {e}", path.display()))?;
-    let body = file.get("body").and_then(|bodies| bodies.get(0));
-    Ok(body.is_none_or(|body| body.get("generator").and_then(Value::as_str) == Some("block")))
+fn tissue(module: &str, path: &Path) -> Result<Option<[Vector3<f64>; 2]>, String> {
+    let folder = tree().join("modules").join(module);
+    let manifest = load_manifest(&folder.join("module.toml")).map_err(|e| e.to_string())?;
+    let level = load_level(path, &manifest.settings, &known_metrics());
+    let level = level.map_err(|e| e.to_string())?.settings;
+    let (Some(physics), Some(method)) = (&level.physics, &level.method) else {
+        return Ok(None);
+    };
+    let parts = LevelParts {
+        physics,
+        method,
+        bodies: &level.body,
+        rigid: &[],
+        contacts: &[],
+        cuts: &[],
+        tools: &[],
+        models: &BTreeMap::new(),
+    };
+    let levels = folder.join("levels");
+    let load = &mut |file: &Path| std::fs::read(levels.join(file));
+    let spec = level_spec(&parts, load).map_err(|e| format!("{}: {e}", path.display()))?;
+    let nodes = spec.spec.bodies.first().map(|body| &body.mesh.positions);
+    Ok(nodes.map(|nodes| {
+        let [min, max] = nodes.iter().fold([nodes[0]; 2], |[min, max], node| {
+            [min.inf(node), max.sup(node)]
+        });
+        [0.5 * (min + max), 0.5 * (max - min)]
+    }))
 }
 
 impl Stage {
@@ -183,19 +206,7 @@ impl Stage {
         let file: Table = text.parse().map_err(|e| wrong(&format!("{e}")))?;
         let list = |key: &str| file.get(key).and_then(Value::as_array);
         let tables = |key: &str| list(key).into_iter().flatten().filter_map(Value::as_table);
-        let tissue = tables("body").next().map(|body| {
-            let point = |key: &str| body.get(key).and_then(lengths);
-            point("size").zip(point("centre").or(Some(Vector3::zeros())))
-        });
-        let tissue = match tissue {
-            None => None,
-            Some(Some((size, centre))) => Some([centre, 0.5 * size]),
-            Some(None) => {
-                return Err(wrong(
-                    "its body is no block, of which players know the place",
-                ));
-            }
-        };
+        let tissue = tissue(module, &path)?;
         let tick = file
             .get("clock")
             .and_then(|clock| clock.get("tick")?.as_str());
@@ -281,18 +292,6 @@ impl Tool {
     }
 }
 
-/// Three lengths \[m\]: numbers or texts with a unit.
-fn lengths(value: &Value) -> Option<Vector3<f64>> {
-    let length = |value: &Value| match value {
-        Value::String(text) => Unit::Length.parse(text).ok(),
-        Value::Integer(number) => Some(*number as f64),
-        Value::Float(number) => Some(*number),
-        _ => None,
-    };
-    let numbers: Option<Vec<f64>> = value.as_array()?.iter().map(length).collect();
-    <[f64; 3]>::try_from(numbers?).ok().map(Vector3::from)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -314,13 +313,5 @@ mod tests {
             "{back}"
         );
         assert_eq!(pose.opened(1.5).opening, 1.0);
-    }
-
-    #[test]
-    fn lengths_have_units_or_are_zero() {
-        let value: Table = "a = [\"8 mm\", 0, \"-1 mm\"]".parse().expect("TOML");
-        let found = lengths(&value["a"]).expect("three lengths");
-        assert!((found - Vector3::new(8e-3, 0.0, -1e-3)).norm() < 1e-15);
-        assert_eq!(lengths(&Value::Boolean(true)), None);
     }
 }

@@ -394,7 +394,6 @@ fn main() {
     write(hands, "fail-drawn-too-little");
     let doc = "Cuts with the tips of the scissors towards the vessel.";
     let hands = second.played(doc, |bite| {
-        bite.draw = [-0.44, 0.52];
         bite.cut = [0.05, 0.74];
         bite.raised = 25.0;
         bite.beyond = 0.9;
