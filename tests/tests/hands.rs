@@ -10,7 +10,7 @@ use microsim_tests::{assert_verified, scratch};
 use std::path::PathBuf;
 
 /// The sample: module, level, profile, all of one seed and length; and what is allowed today.
-const SAMPLE: [(&str, &str, Profile, Today); 13] = [
+const SAMPLE: [(&str, &str, Profile, Today); 17] = [
     ("guide-path", "5", Profile::Clumsy, MET),
     ("touch-spheres", "5", Profile::Outliers, MET),
     ("push-strip", "3", Profile::Dragging, MET),
@@ -22,6 +22,10 @@ const SAMPLE: [(&str, &str, Profile, Today); 13] = [
     ("coordination", "2", Profile::Violent, WITH_ALL_FORCE),
     ("coordination", "3", Profile::Closing, MET),
     ("coordination", "6", Profile::Clumsy, MET),
+    ("trim-sharp", "1", Profile::Closing, MET),
+    ("trim-blunt", "3", Profile::Clumsy, MET),
+    ("diagonal-cut", "2", Profile::Dragging, MET),
+    ("dilatation", "1", Profile::Snipping, MET),
     ("push-strip", "2.dissertation", Profile::Violent, MET),
     (
         "coordination",
