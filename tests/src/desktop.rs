@@ -258,8 +258,8 @@ impl Display {
         self.xdotool(&[action, &button.to_string()]);
     }
 
-    /// Clicks on a widget that shows whether the pointer is above it. Waits until that is seen: of all that comes before one picture the window knows the last place of the pointer
-    /// alone. Where nothing answers, two seconds pass.
+    /// Clicks on a widget that shows whether the pointer is above it. Waits until something there has changed: of all that comes before one picture the window knows the last place of
+    /// the pointer alone. For the same reason whoever calls waits for what the click does before the pointer goes on. Where nothing answers, two seconds pass, and that is printed.
     pub fn click(&self, place: [i32; 2]) {
         let [x, y] = place.map(|c| usize::try_from(c).unwrap_or(0));
         let around = |shot: Shot| -> Vec<[u8; 3]> {
@@ -271,7 +271,11 @@ impl Display {
         let before = around(self.shot());
         self.point(place);
         let start = Instant::now();
-        while start.elapsed() < Duration::from_secs(2) && around(self.shot()) == before {
+        while around(self.shot()) == before {
+            if start.elapsed() > Duration::from_secs(2) {
+                eprintln!("nothing at {place:?} shows the pointer");
+                break;
+            }
             std::thread::sleep(Duration::from_millis(50));
         }
         self.button(1, true);

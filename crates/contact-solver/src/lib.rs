@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | [`GaussSeidel`] | a compliance of each node | explicit and position-based methods |
 //! | [`AugmentedLagrangian`] | a linear solver | implicit methods and statics, to any tolerance |
-//! | [`InteriorPoint`] | a linear solver, whose Delassus (Schur complement) operator is formed | early-terminated steps of small bodies |
+//! | [`InteriorPoint`] | a linear solver, whose Delassus (Schur complement) operator is formed | early-terminated steps of small bodies, unless they are repeated |
 //!
 //! The linear solver is a [`LinearSystem`]; the constants of the methods are [options](ContactOptions). The last two solvers work on a
 //! [`ContactSet`], which gives Newton's method the energy and the forces of contacts too. [`Projection`] does a whole step of an explicit

@@ -23,8 +23,8 @@ use nalgebra::{Matrix3, Vector3};
 pub struct ContactSet {
     /// The contacts.
     pub contacts: Vec<Contact>,
-    /// Whether the step may stop before it has converged.
-    pub may_terminate_early: bool,
+    /// Whether the interior-point method is taken where it can be, and the step may stop before it has converged.
+    pub prefers_interior_point: bool,
     /// Whether contacts retain multipliers, bounds and penalties when they are linearised again.
     pub retains_multipliers: bool,
     /// Solutions whose forces were not found and remained those of before, since the caller last set it to 0.
@@ -47,7 +47,7 @@ impl ContactSet {
     pub fn new(nodes: usize, edge: f64, options: AugmentedLagrangianOptions) -> Self {
         Self {
             contacts: Vec::new(),
-            may_terminate_early: false,
+            prefers_interior_point: false,
             retains_multipliers: false,
             failures: 0,
             options,
@@ -249,10 +249,10 @@ impl ContactSet {
         }
     }
 
-    /// Whether the interior-point method is the one for these contacts: in early-terminated steps of small bodies, with no contact between
-    /// two bodies that can move.
+    /// Whether the interior-point method is the one for these contacts: where it is preferred, for small bodies with no contact between
+    /// two of them that can move.
     pub fn takes_interior_point(&self, system: &dyn LinearSystem) -> bool {
-        self.may_terminate_early
+        self.prefers_interior_point
             && system.is_small()
             && !self.rows.iter().any(|row| row.is_between_bodies)
     }

@@ -28,7 +28,7 @@ fn across(image: &Image, first: u32) -> f64 {
 }
 
 /// A ball at height h along the view axis lies at x·d/(d − h) − e·h/(d − h) in the plane of focus for an eye at e: the pair has the parallax b·h/(d − h), from which the height
-/// follows. Heights half a millimetre apart are told apart where each is found to a quarter; a fifth of a pixel of parallax is 0.1 mm.
+/// follows. Heights half a millimetre apart are distinguished where each is found to a quarter; a fifth of a pixel of parallax is 0.1 mm.
 #[test]
 fn a_pair_shows_height_to_half_a_millimetre() {
     let Some(mut renderer) = renderer() else {

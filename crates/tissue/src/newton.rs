@@ -34,10 +34,11 @@
 //! energy, and it has no second-order correction. After a few iterations of one equation they retain their features and normals. Where
 //! gaps found at the end are far below their floors, iterations are made beyond those asked for.
 //!
-//! Early-terminated steps are those of time that need not converge, of small bodies with contacts. Their tangents are positive, so that
+//! In early-terminated steps, those of time that need not converge, small bodies with contacts have positive tangents, so that
 //! the interior-point method can solve contacts among themselves. An iteration at whose end surfaces have turned so much that gaps are far
 //! below their floors goes back, to an eighth of its length at least. After a short one the matrix is retained for the next; one that moves
 //! hardly anything ends the step. Where the interior-point method finds no forces, those of before stay, and the iteration is a short one.
+//! A step that is repeated with more effort has none of this: its contacts take the augmented Lagrangian method.
 //!
 //! # Limitations
 //! The derivative of viscous forces by positions is left out, so with viscosity the last iterations converge linearly, by a

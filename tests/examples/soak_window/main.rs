@@ -214,6 +214,7 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
             .spawn()
             .map_err(|error| format!("the program: {error}"))?,
     );
+    let memory = account::watch(window.0.id());
     let mut player = Player::new(&display, seed, &data);
     player.focus()?;
     player.wait(3.0);
@@ -229,11 +230,11 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
         })
         .collect();
     let looked_at: BTreeSet<_> = levels.iter().collect();
-    for level in &looked_at {
+    for (module, name, level) in looked_at {
         player.focus()?;
-        player.look_at(level.0, level.2)?;
+        let seen = player.look_at(*module, *level);
+        seen.map_err(|why| format!("{name} level {level}, before anything is measured: {why}"))?;
     }
-    let memory = account::watch(window.0.id());
     let mut soak = Soak {
         minutes,
         seed,
@@ -268,7 +269,7 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
         memory.rest();
     }
     soak.memory = memory.stop();
-    let sessions: BTreeSet<PathBuf> = player.begun().difference(&before).cloned().collect();
+    let sessions = player.begun();
     // As a desktop closes a window: the last session ends with it.
     if let Ok(id) = player.focus() {
         let _ = display.ask(&["windowquit", &id]);
@@ -284,7 +285,8 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     soak.faults.extend(account::panics(&text));
     let log = account::log(&data.join("logs"))?;
     soak.faults.extend(account::panics(&log));
-    soak.shown = account::shown(&log, &sessions);
+    let played: BTreeSet<PathBuf> = sessions.difference(&before).cloned().collect();
+    soak.shown = account::shown(&log, &played);
     soak.sessions = sessions.len();
     let mut random = SplitMix64(seed);
     for session in &sessions {

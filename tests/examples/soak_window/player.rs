@@ -130,8 +130,11 @@ impl<'a> Player<'a> {
     /// Begins a level, shows it for a second and ends it: what it loads and compiles once is there from then on.
     pub fn look_at(&mut self, module: usize, level: u32) -> Result<(), String> {
         let session = self.open(module, level)?;
-        self.wait(2.0);
-        self.keys(&["Return"])?;
+        // The introduction comes with the first picture; later the key has no meaning.
+        for _ in 0..2 {
+            self.wait(1.5);
+            self.keys(&["Return"])?;
+        }
         self.wait(1.0);
         self.end(&session)?;
         self.to_modules()

@@ -62,6 +62,21 @@ fn push_strip_goes_on_from_a_checkpoint() {
     assert!((0.4..2.48).contains(&first), "first touch at {first} s");
 }
 
+/// An explicit method, with the forces of the dissertation: what it remembers of a step is in the checkpoint, too.
+#[test]
+fn an_explicit_method_goes_on_from_a_checkpoint() {
+    let script = "script:level2-fail-dwell-too-short.toml";
+    let args = [
+        "--level",
+        "2",
+        "--variant",
+        "dissertation",
+        "--input",
+        script,
+    ];
+    goes_on("push-strip", &args, &["2.48"]);
+}
+
 #[test]
 fn a_checkpoint_of_another_run_is_refused() {
     let folder = scratch();

@@ -42,8 +42,8 @@ impl NewtonSolver {
         self.forget_operations();
         self.work = 0.0;
         self.contacts.failures = 0;
-        // What is repeated with more effort takes the other contact solver: what one cannot compute the other often can.
-        self.contacts.may_terminate_early =
+        // What is repeated with more effort takes the other contact solver, as what one of them cannot compute the other often can.
+        self.contacts.prefers_interior_point =
             equation.rate > 0.0 && !newton.must_converge && self.effort == 1;
         self.find(&problem, contact.as_mut());
         let tolerances = Tolerances {
