@@ -23,7 +23,7 @@ const OPERATIONS: f64 = 12_000.0;
 
 /// Operations of a factor up to which it costs about as much as a few solutions, and no more than the conjugate gradients that contacts take
 /// where there is none in f64. Vessels of the modules have 0.9 to 2 · 10⁷: with 1.2e7 those of both trims are left to conjugate gradients, and the 99th percentile of a tick is
-/// 15 to 19 ms instead of 8 to 11.
+/// 15 to 19 ms instead of 8 to 14. No level has vessels between 2 and 3 · 10⁷; which method is more accurate is in `tests/results/solvers_tried.md`.
 const FEW: f64 = 3.0e7;
 
 /// Distances of nodes along a cell of the lattice.
