@@ -236,10 +236,9 @@ impl Renderer {
             has_focus: self.quality.has_focus() && self.depth_of_field,
             layout: picture.stereo.layout,
         };
-        let targets = match self.targets.take() {
-            Some(targets) if targets.form == form => targets,
-            _ => Targets::new(device, form, &self.maps()),
-        };
+        // Those of another form go before new ones come: never is there memory for both.
+        let targets = self.targets.take().filter(|targets| targets.form == form);
+        let targets = targets.unwrap_or_else(|| Targets::new(device, form, &self.maps()));
         let mirrored = picture.mirrored;
         let pipelines = &mut self.pipelines[self.quality as usize];
         // A trainee's hand does not change from picture to picture.

@@ -133,6 +133,11 @@ pub trait Elements: Any + Debug + Send + Sync {
         }
     }
 
+    /// Whether forces change their slope at once somewhere, as those of friction do where ties begin to slide.
+    fn has_kinks(&self) -> bool {
+        false
+    }
+
     /// Whether any element resists speed: [`damping`](Self::damping) is zero otherwise.
     fn is_viscous(&self) -> bool;
 

@@ -22,11 +22,14 @@ use crate::threads;
 use crate::training::Training;
 use crate::upkeep::{self, Upkeep};
 use eframe::egui::{self, Key, RichText, Ui};
+use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup};
+use eframe::wgpu;
 use microsim_audio::Player;
 use microsim_controller::Controllers;
 use microsim_settings::{DominantHand, WindowSettings};
 use microsim_vocabulary::Language;
 use std::fmt;
+use std::sync::Arc;
 use std::thread::JoinHandle;
 
 /// With what the window opens.
@@ -94,10 +97,24 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
         renderer: eframe::Renderer::Wgpu,
         // Noise against bands in gradients, of which there are none, at every pixel: on a software driver as much work as a picture.
         dithering: false,
+        wgpu_options: sparing(),
         ..Default::default()
     };
     let make = |context: &eframe::CreationContext<'_>| Desk::new(context, station, opening);
     device::run(options, make).map_err(WindowError)
+}
+
+/// A device that takes its memory in small blocks: what windows of other sizes needed goes back to the system, where large blocks would stay.
+fn sparing() -> WgpuConfiguration {
+    let mut options = WgpuConfiguration::default();
+    if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_setup {
+        let usual = Arc::clone(&setup.device_descriptor);
+        setup.device_descriptor = Arc::new(move |adapter| wgpu::DeviceDescriptor {
+            memory_hints: wgpu::MemoryHints::MemoryUsage,
+            ..usual(adapter)
+        });
+    }
+    options
 }
 
 /// Draws the field with the device of this window.

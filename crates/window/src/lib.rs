@@ -7,7 +7,7 @@
 //! - `choice`: what is chosen of it.
 //! - `live`: a run in a thread of its own, paced by the wall clock. The window takes the newest finished snapshot; nothing in the run depends on
 //!   whether and when it is drawn.
-//! - `threads`: computing goes before drawing.
+//! - `threads`: computing goes before drawing; `memory` that was freed goes back to the system.
 //! - `pace`: how well it follows the wall clock, and how long motions take to the picture; `account`: what the log states of both.
 //! - `hands`: mouse and keyboard as wishes for the tools.
 //! - `steering`: gamepads and SpaceMice as wishes and keys.
@@ -29,7 +29,10 @@
 //!
 //! Not here: physics, scores, files, the command line. What is drawn is never longer than what a level gave: a window that is slow shows fewer pictures.
 
-#![forbid(unsafe_code)]
+#![allow(
+    unsafe_code,
+    reason = "asks the allocator of the C library to give memory back"
+)]
 
 mod account;
 mod appearance;
@@ -59,6 +62,7 @@ mod left_films;
 mod level_pictures;
 mod live;
 mod look;
+mod memory;
 mod nearby;
 mod number_words;
 mod pace;

@@ -86,7 +86,7 @@ impl NewtonSolver {
             let potential = self.potential(problem);
             let rise = potential.value - start.value;
             if rise <= enough * length * slope {
-                return LineSearchOutcome::Step { length };
+                return self.without_overshoot(problem, length, slope, potential);
             }
             // Where Φ has no more digits its slope still has. Near rest that is so long before the terms of Φ show it: they are
             // differences themselves. There the forces fall by much.
@@ -94,11 +94,7 @@ impl NewtonSolver {
             if rounding || length == first {
                 self.evaluate(problem, 0.0);
                 let falls = dot(&self.residual, &self.residual) <= options.force_decrease * before;
-                let path = self.direction.iter().zip(&self.second_order);
-                let end: f64 = path
-                    .zip(&self.residual)
-                    .map(|((d, c), r)| -r.dot(&(d + c * (2.0 * length))))
-                    .sum();
+                let end = self.slope_at(length);
                 if (rounding || falls) && end <= (2.0 * enough - 1.0) * slope {
                     return LineSearchOutcome::Step { length };
                 }
@@ -114,6 +110,38 @@ impl NewtonSolver {
         }
         self.advance(problem, 0.0);
         LineSearchOutcome::NoDescent
+    }
+
+    /// The slope of Φ along the path at this step length, from the residual there.
+    fn slope_at(&self, length: f64) -> f64 {
+        let path = self.direction.iter().zip(&self.second_order);
+        path.zip(&self.residual)
+            .map(|((d, c), r)| -r.dot(&(d + c * (2.0 * length))))
+            .sum()
+    }
+
+    /// Ends a search with a step of this length, or with the shorter one at which a straight slope from `slope` at the start would vanish: where
+    /// forces have kinks, the step goes far beyond the lowest point, and the shorter one lies lower.
+    fn without_overshoot(
+        &mut self,
+        problem: &Problem<'_>,
+        length: f64,
+        slope: f64,
+        reached: Potential,
+    ) -> LineSearchOutcome {
+        if problem.model.sets().iter().any(|set| set.has_kinks()) {
+            self.evaluate(problem, 0.0);
+            let end = self.slope_at(length);
+            if end > -self.options.line_search.overshoot * slope {
+                let shorter = length * slope / (slope - end);
+                self.advance(problem, shorter);
+                if self.potential(problem).value <= reached.value {
+                    return LineSearchOutcome::Step { length: shorter };
+                }
+                self.advance(problem, length);
+            }
+        }
+        LineSearchOutcome::Step { length }
     }
 }
 

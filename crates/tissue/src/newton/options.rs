@@ -63,6 +63,10 @@ pub struct LineSearchOptions {
     pub rounding: f64,
     /// The residual, squared and relative to its square before, at which a full step is taken by its forces alone; in 1e-4..0.5.
     pub force_decrease: f64,
+    /// Where forces have kinks: the slope of the potential at the end of a step, upwards and over the one at its start downwards, beyond which the step
+    /// is shortened to where the slope vanishes; in 0.1..1. Where ties that slide turn round there is no slope in the tangent, and steps that all
+    /// descend may cross the lowest point again and again. Larger values save searches and cost iterations. Measured.
+    pub overshoot: f64,
     /// The shortest step length that is tried; in 1e-16..1e-3. Below, the direction counts as none of descent.
     pub shortest: f64,
     /// A step length is followed by the lowest point of a parabola between these parts of it, by the last one where that is not finite; in
@@ -142,6 +146,7 @@ impl Default for NewtonOptions {
                 sufficient_decrease: 1e-4,
                 rounding: 1e-12,
                 force_decrease: 0.01,
+                overshoot: 0.2,
                 shortest: 1e-8,
                 shortening: [0.1, 0.5, 0.25],
             },

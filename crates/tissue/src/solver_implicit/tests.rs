@@ -1,6 +1,7 @@
 //! Convergence of Newton's method, conservation, targets, failures, same bits.
 
 mod accuracy;
+mod kinks;
 
 use super::*;
 use crate::executor::Serial;

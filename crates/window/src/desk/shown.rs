@@ -4,6 +4,7 @@ use super::{Desk, Screen, field_of};
 use crate::device;
 use crate::field::Field;
 use crate::look;
+use crate::memory;
 use crate::shortcut;
 use crate::training::Outcome;
 use eframe::egui::Ui;
@@ -48,6 +49,7 @@ impl device::Shown for Desk {
         self.press_by_controllers(ui);
         self.set_by_keys(ui);
         let panels = self.settings.panels;
+        let ran = self.runs();
         match &self.screen {
             Screen::Debrief(..) => self.left_films.show(ui, self.language),
             // What came of a film is stated where its replay has led to.
@@ -85,6 +87,16 @@ impl device::Shown for Desk {
                 }
             }
         }
+        if ran && !self.runs() {
+            memory::give_back();
+        }
         shortcut::note_use(ui.ctx());
+    }
+}
+
+impl Desk {
+    /// Whether a level or a replay is shown.
+    fn runs(&self) -> bool {
+        matches!(self.screen, Screen::Training(_) | Screen::Replay(..))
     }
 }

@@ -357,6 +357,10 @@ impl Elements for Sliding {
         EnergyKind::Coupling
     }
 
+    fn has_kinks(&self) -> bool {
+        true
+    }
+
     fn count(&self) -> usize {
         self.slides.len()
     }
