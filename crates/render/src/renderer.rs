@@ -236,7 +236,7 @@ impl Renderer {
             has_focus: self.quality.has_focus() && self.depth_of_field,
             layout: picture.stereo.layout,
         };
-        // Those of another form go before new ones come: never is there memory for both.
+        // Those of another form go first, so that the driver can free them before new ones come.
         let targets = self.targets.take().filter(|targets| targets.form == form);
         let targets = targets.unwrap_or_else(|| Targets::new(device, form, &self.maps()));
         let mirrored = picture.mirrored;

@@ -371,7 +371,7 @@ table! {
         hand_force: f64 = quantity(Unit::Force, 0.01, 1e3) => 1.0,
         /// The work that a tick may take over its length, counted in operations of a core of a usual kind; half of it is for repetitions. What does not fit is left to the next tick: tools
         /// follow the hand as far as it goes.
-        budget: f64 = quantity(Unit::Ratio, 0.01, 1000.0) => 1.5,
+        budget: f64 = quantity(Unit::Ratio, 0.01, 1000.0) => 3.0,
     }
 }
 

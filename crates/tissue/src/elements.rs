@@ -133,8 +133,9 @@ pub trait Elements: Any + Debug + Send + Sync {
         }
     }
 
-    /// Whether forces change their slope at once somewhere, as those of friction do where ties begin to slide.
-    fn has_kinks(&self) -> bool {
+    /// Whether ties may begin to slide, turn round or stick in a step: forces have kinks there, and the line search shortens steps that go beyond the lowest
+    /// point. Fibres that slacken and cohesive ties that soften have kinks too; whether that would help them has not been tried.
+    fn slides(&self) -> bool {
         false
     }
 

@@ -19,7 +19,8 @@
 //!
 //! with all forces that have no energy (viscous ones, pressures that follow a surface) taken into n as they are at the start
 //! of the iteration. A line search backs off until Φ falls enough (Armijo), or, where it falls by no more than rounding or all forces
-//! fall to a tenth, until its slope does (the approximate Wolfe condition of Hager & Zhang 2005).
+//! fall to a tenth, until its slope does (the approximate Wolfe condition of Hager & Zhang 2005). Where ties slide, a step that is long enough to pass, but at whose end Φ
+//! rises by more than a fifth of its slope at the start, is shortened to where a straight slope would vanish, unless Φ is higher there.
 //!
 //! Far from the solution an iteration has a second-order correction: its path is x + α d + α² c with the step length α, the direction d of
 //! Newton's method and K c = ½ ∂²f/∂α² along it, for one more solution with the same factor. The forces along the path then deviate from

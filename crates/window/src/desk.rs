@@ -11,6 +11,7 @@ use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
 use crate::left_films::LeftFilms;
 use crate::look;
+use crate::memory;
 use crate::pedal;
 use crate::records::{self, Records};
 use crate::replay::{self, Replay};
@@ -107,13 +108,14 @@ pub fn open(station: Box<dyn Station>, opening: Opening) -> Result<(), WindowErr
 /// A device that takes its memory in small blocks: what windows of other sizes needed goes back to the system, where large blocks would stay.
 fn sparing() -> WgpuConfiguration {
     let mut options = WgpuConfiguration::default();
-    if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_setup {
-        let usual = Arc::clone(&setup.device_descriptor);
-        setup.device_descriptor = Arc::new(move |adapter| wgpu::DeviceDescriptor {
-            memory_hints: wgpu::MemoryHints::MemoryUsage,
-            ..usual(adapter)
-        });
-    }
+    let WgpuSetup::CreateNew(setup) = &mut options.wgpu_setup else {
+        unreachable!("eframe opens a device of its own unless it is given one");
+    };
+    let usual = Arc::clone(&setup.device_descriptor);
+    setup.device_descriptor = Arc::new(move |adapter| wgpu::DeviceDescriptor {
+        memory_hints: wgpu::MemoryHints::MemoryUsage,
+        ..usual(adapter)
+    });
     options
 }
 
@@ -236,6 +238,7 @@ impl Desk {
         // What ran before has to be closed, so that two runs never compute at once.
         self.screen = Screen::Launcher;
         self.wait_for_left();
+        memory::give_back();
         let begun = match self.entries(&choice) {
             None => Err(match &choice.variant {
                 None => format!("there is no level {} of {}", choice.level, choice.module),

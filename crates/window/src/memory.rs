@@ -1,7 +1,7 @@
 //! Memory that was freed goes back to the system.
 //!
 //! glibc keeps what is freed between blocks that are in use: levels with recordings and pictures of many sizes would leave gaps of hundreds of
-//! megabytes behind over a day. Other allocators give them back by themselves, and nothing is done there.
+//! megabytes behind over a day. Elsewhere nothing is done. What threads of a replay that was left, and pictures that the driver still draws, free later goes back with the next one.
 
 /// Gives back what is freed, in all arenas. Takes some milliseconds per hundred megabytes.
 pub fn give_back() {

@@ -93,8 +93,9 @@ impl NewtonSolver {
             }
             let mut outcome = self.iterate(&problem, ends, &mut tangent, before, tolerances)?;
             match &mut outcome {
-                LineSearchOutcome::Step { length } => {
-                    *length = self.find_ahead(&problem, contact.as_mut(), *length);
+                LineSearchOutcome::Step { length, is_full } => {
+                    let ahead = self.find_ahead(&problem, contact.as_mut(), *length);
+                    *is_full &= ahead == *length;
                 }
                 LineSearchOutcome::Prescribed | LineSearchOutcome::NoDescent => {
                     self.find(&problem, contact.as_mut());
@@ -115,7 +116,7 @@ impl NewtonSolver {
                 self.publish(&problem);
                 return Ok(report);
             }
-            let full = outcome == LineSearchOutcome::Step { length: 1.0 };
+            let full = matches!(outcome, LineSearchOutcome::Step { is_full: true, .. });
             let full_early = full && early && self.takes_interior_point();
             // Where forces are small the residual relative to them means little.
             let overlaps = self.contacts.overlap() > options.contact.overlap;

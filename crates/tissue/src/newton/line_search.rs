@@ -16,10 +16,24 @@ pub(super) struct Potential {
 pub(super) enum LineSearchOutcome {
     /// Prescribed nodes are at their ends, the others went along: there was no search.
     Prescribed,
-    /// A step of this length was taken.
-    Step { length: f64 },
+    /// A step was taken.
+    Step {
+        /// Its length, over that of Newton's method.
+        length: f64,
+        /// Whether the search did not back off; a step that was shortened because it went beyond the lowest point is one that could have been longer.
+        is_full: bool,
+    },
     /// No step length descends.
     NoDescent,
+}
+
+impl LineSearchOutcome {
+    fn taken(length: f64) -> Self {
+        Self::Step {
+            length,
+            is_full: length == 1.0,
+        }
+    }
 }
 
 impl NewtonSolver {
@@ -96,7 +110,7 @@ impl NewtonSolver {
                 let falls = dot(&self.residual, &self.residual) <= options.force_decrease * before;
                 let end = self.slope_at(length);
                 if (rounding || falls) && end <= (2.0 * enough - 1.0) * slope {
-                    return LineSearchOutcome::Step { length };
+                    return LineSearchOutcome::taken(length);
                 }
             }
             // The lowest point of the parabola through both values and the slope.
@@ -112,7 +126,8 @@ impl NewtonSolver {
         LineSearchOutcome::NoDescent
     }
 
-    /// The slope of Φ along the path at this step length, from the residual there.
+    /// The slope of Φ along the path at this step length, from the residual there; with viscous forces and pressures as they are there, which Φ has as they
+    /// were at the start.
     fn slope_at(&self, length: f64) -> f64 {
         let path = self.direction.iter().zip(&self.second_order);
         path.zip(&self.residual)
@@ -121,27 +136,30 @@ impl NewtonSolver {
     }
 
     /// Ends a search with a step of this length, or with the shorter one at which a straight slope from `slope` at the start would vanish: where
-    /// forces have kinks, the step goes far beyond the lowest point, and the shorter one lies lower.
+    /// ties slide, a step may go far beyond the lowest point. The shorter one is taken if it does not lie higher.
     fn without_overshoot(
         &mut self,
         problem: &Problem<'_>,
         length: f64,
         slope: f64,
-        reached: Potential,
+        at_length: Potential,
     ) -> LineSearchOutcome {
-        if problem.model.sets().iter().any(|set| set.has_kinks()) {
+        if problem.model.sets().iter().any(|set| set.slides()) {
             self.evaluate(problem, 0.0);
             let end = self.slope_at(length);
             if end > -self.options.line_search.overshoot * slope {
                 let shorter = length * slope / (slope - end);
                 self.advance(problem, shorter);
-                if self.potential(problem).value <= reached.value {
-                    return LineSearchOutcome::Step { length: shorter };
+                if self.potential(problem).value <= at_length.value {
+                    return LineSearchOutcome::Step {
+                        length: shorter,
+                        is_full: length == 1.0,
+                    };
                 }
                 self.advance(problem, length);
             }
         }
-        LineSearchOutcome::Step { length }
+        LineSearchOutcome::taken(length)
     }
 }
 

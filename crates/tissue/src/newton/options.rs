@@ -63,9 +63,10 @@ pub struct LineSearchOptions {
     pub rounding: f64,
     /// The residual, squared and relative to its square before, at which a full step is taken by its forces alone; in 1e-4..0.5.
     pub force_decrease: f64,
-    /// Where forces have kinks: the slope of the potential at the end of a step, upwards and over the one at its start downwards, beyond which the step
-    /// is shortened to where the slope vanishes; in 0.1..1. Where ties that slide turn round there is no slope in the tangent, and steps that all
-    /// descend may cross the lowest point again and again. Larger values save searches and cost iterations. Measured.
+    /// Where ties slide: the upward slope of the potential at the end of a step, relative to the downward one at its start, above which the step is
+    /// shortened to where a straight slope vanishes; in 0.1..1, infinite for never. The tangent of a tie that slides has no slope along its path, and
+    /// steps that all descend may cross the lowest point again and again. Larger values save energies and cost iterations. Measured with clumsy and
+    /// jittering hands on the last level of blunt trimming.
     pub overshoot: f64,
     /// The shortest step length that is tried; in 1e-16..1e-3. Below, the direction counts as none of descent.
     pub shortest: f64,

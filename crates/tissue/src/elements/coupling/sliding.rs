@@ -357,7 +357,7 @@ impl Elements for Sliding {
         EnergyKind::Coupling
     }
 
-    fn has_kinks(&self) -> bool {
+    fn slides(&self) -> bool {
         true
     }
 

@@ -40,7 +40,7 @@ fn joined() -> (TissueModel, usize) {
     (model.unwrap(), lower)
 }
 
-/// Nodes of the soft block start up to 10 um from where they are at rest, each in a direction of its own, so that ties slide, and turn round one by one. With
+/// Nodes of the soft block start up to 10 um from where they are at rest along each axis, each in a direction of its own, so that ties slide, and turn round one by one. With
 /// every full step that descends the same place is found in at least a quarter more iterations: the potential is convex and has one minimum.
 #[test]
 fn steps_that_overshoot_are_shortened() {
@@ -50,6 +50,7 @@ fn steps_that_overshoot_are_shortened() {
         tolerance: 1e-6,
         must_converge: false,
     };
+    let usual = NewtonOptions::default();
     let mut next = numbers();
     let mut iterations = [0, 0];
     for _ in 0..20 {
@@ -57,8 +58,8 @@ fn steps_that_overshoot_are_shortened() {
         for position in &mut start.positions[lower..] {
             *position += Vector3::from_fn(|_, _| 10e-6 * next());
         }
-        let ends = [0.2, f64::INFINITY].map(|overshoot| {
-            let mut options = NewtonOptions::default();
+        let ends = [usual.line_search.overshoot, f64::INFINITY].map(|overshoot| {
+            let mut options = usual;
             options.line_search.overshoot = overshoot;
             options.stagnation = 100;
             let mut solver = SolverImplicit::with_options(
