@@ -1,9 +1,9 @@
 //! Memory that was freed goes back to the system.
 //!
-//! glibc keeps what is freed between blocks that are in use: levels with recordings and pictures of many sizes would leave gaps of hundreds of
-//! megabytes behind over a day. Elsewhere nothing is done. What threads of a replay that was left, and pictures that the driver still draws, free later goes back with the next one.
+//! glibc keeps what is freed between blocks that are in use: levels with recordings and pictures of many sizes leave gaps of hundreds of
+//! megabytes behind. Elsewhere nothing is done. What threads of a replay that was left, and pictures that the driver still draws, free later goes back with the next one.
 
-/// Gives back what is freed, in all arenas. Takes some milliseconds per hundred megabytes.
+/// Gives back what is freed, in all arenas.
 pub fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: the function takes a size alone, may be called from any thread, and touches no block that is in use.
