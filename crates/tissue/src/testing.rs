@@ -29,20 +29,25 @@ pub fn block_mesh(size: [f64; 3], cells: [usize; 3]) -> TetMesh {
     block.mesh().unwrap()
 }
 
-/// The beam S of the reference (`tests/data/reference`) around the origin, stable neo-Hookean, clamped at its low end.
-pub fn beam(poisson: f64) -> TissueModel {
-    let mesh = block_mesh([0.1, 0.02, 0.02], [15, 3, 3]);
-    let material = Material {
-        density: 1000.0,
+/// Stable neo-Hookean tetrahedra of this density \[kg/m³\], modulus \[Pa\] and ratio of Poisson, without viscosity.
+pub fn neo_hookean(density: f64, young: f64, poisson: f64) -> Material {
+    Material {
+        density,
         relaxation_time: 0.0,
         behaviour: Behaviour::Continuum(ContinuumConstants {
             law: LawName::StableNeoHookean.into(),
-            young: 1e5,
+            young,
             poisson,
             discretisation: Discretisation::Tetrahedra,
             plasticity: None,
         }),
-    };
+    }
+}
+
+/// The beam S of the reference (`tests/data/reference`) around the origin, stable neo-Hookean, clamped at its low end.
+pub fn beam(poisson: f64) -> TissueModel {
+    let mesh = block_mesh([0.1, 0.02, 0.02], [15, 3, 3]);
+    let material = neo_hookean(1000.0, 1e5, poisson);
     let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.x < -0.0499).collect();
     build_model(&mesh, &[(0, material)], &clamped, 0.0, Vec::new()).unwrap()
 }

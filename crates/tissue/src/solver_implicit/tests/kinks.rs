@@ -1,11 +1,10 @@
 //! Steps in which forces have kinks: ties that slide, turn round and stick.
 
 use super::*;
+use crate::build_model;
 use crate::elements::{SlidingConstants, couple_sliding};
-use crate::law::LawName;
 use crate::newton::NewtonOptions;
-use crate::testing::block_mesh;
-use crate::{Behaviour, ContinuumConstants, Discretisation, Material, build_model};
+use crate::testing::{block_mesh, neo_hookean};
 use std::sync::Arc;
 
 /// A soft block of 1.5 × 1.5 × 0.5 mm that is joined to a clamped one below it.
@@ -16,17 +15,7 @@ fn joined() -> (TissueModel, usize) {
     let mut upper = block_mesh([1.5e-3, 1.5e-3, 0.5e-3], [4, 4, 1]);
     upper.positions.iter_mut().for_each(|p| p.z += 0.25e-3);
     mesh.append(&upper, 1);
-    let material = Material {
-        density: 1060.0,
-        relaxation_time: 0.0,
-        behaviour: Behaviour::Continuum(ContinuumConstants {
-            law: LawName::StableNeoHookean.into(),
-            young: 5e3,
-            poisson: 0.3,
-            discretisation: Discretisation::Tetrahedra,
-            plasticity: None,
-        }),
-    };
+    let material = neo_hookean(1060.0, 5e3, 0.3);
     // They slide from 0.6 um on.
     let ties = SlidingConstants {
         stiffness_per_area: 1e8,
