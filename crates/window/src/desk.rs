@@ -11,7 +11,7 @@ use crate::launcher::{Launcher, Offer, Wanted};
 use crate::ledger::Debrief;
 use crate::left_films::LeftFilms;
 use crate::look;
-use crate::memory;
+use crate::memory::{self, GivingBack};
 use crate::pedal;
 use crate::records::{self, Records};
 use crate::replay::{self, Replay};
@@ -164,6 +164,7 @@ struct Desk {
     left: Option<JoinHandle<()>>,
     /// Films of replays that were left.
     left_films: LeftFilms,
+    giving_back: GivingBack,
     /// Gamepads and SpaceMice, unless the system had no thread to look for them.
     controllers: Option<Controllers>,
 }
@@ -194,6 +195,7 @@ impl Desk {
             },
             left: None,
             left_films: LeftFilms::default(),
+            giving_back: GivingBack::default(),
             launcher: Launcher::of_hand(opening.hand),
             upkeep: Upkeep::default(),
             waker,

@@ -1,7 +1,7 @@
 //! Mouse and keyboard as wishes for the tools.
 //!
 //! The pointer moves the tip of the active tool in the plane of the field, so that it goes along with the pointer in the picture; the wheel lifts and lowers it. The left button
-//! closes it, the right one turns it. The other hand stays where it is.
+//! closes it, the right one turns it, and keys open it by as much as a grip, a ring or a lumen takes. The other hand stays where it is.
 
 use crate::steering::Grasp;
 use eframe::egui::{self, Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2};
@@ -12,6 +12,10 @@ use microsim_settings::{Desktop, View};
 const TURN: f64 = 0.006;
 /// A key that is held turns by this much in a second \[rad/s\].
 const KEY_TURN: f64 = 1.2;
+/// Keys that open jaws by a step: key, direction.
+const OPENINGS: [(Key, f64); 2] = [(Key::A, -1.0), (Key::D, 1.0)];
+/// What such a step is of the whole opening.
+const OPENING_STEP: f64 = 0.05;
 /// Keys that move the tip by a step: key, axis of the field, direction.
 const STEPS: [(Key, usize, f64); 6] = [
     (Key::ArrowRight, 0, 1.0),
@@ -33,6 +37,8 @@ pub struct Hands {
     active: usize,
     /// Whether each keeps its jaws closed when the button is released.
     keeps: Vec<bool>,
+    /// How far each is open where nothing closes it.
+    openings: Vec<f64>,
     /// The tool that the button closes now.
     closing: Option<usize>,
     /// Whether the right button turns.
@@ -49,6 +55,7 @@ impl Hands {
         Self {
             active: tools.len().saturating_sub(1),
             keeps: vec![false; tools.len()],
+            openings: vec![desktop.opening; tools.len()],
             closing: None,
             is_turning: false,
             pointer: None,
@@ -78,7 +85,7 @@ impl Hands {
         Some(Grasp {
             tool: self.tools.get(self.active)?.clone(),
             speed: 0.0,
-            opening: self.desktop.opening,
+            opening: self.openings[self.active],
             keeps: self.keeps(self.active),
             is_closed: false,
         })
@@ -183,6 +190,8 @@ impl Hands {
             } => {
                 if let Some((_, axis, sign)) = STEPS.iter().find(|(of, ..)| of == key) {
                     wish.shift[*axis] = sign * step;
+                } else if let Some((_, sign)) = OPENINGS.iter().find(|(of, _)| of == key) {
+                    wish.opening = self.open(sign * OPENING_STEP * fine);
                 } else if *key == Key::Tab && !repeat && self.tools.len() > 1 {
                     wishes.extend(self.release());
                     self.active = (self.active + 1) % self.tools.len();
@@ -191,7 +200,8 @@ impl Hands {
                     let keeps = self.keeps[self.active];
                     // While the button is pressed they are closed; what counts is its release.
                     if self.closing != Some(self.active) {
-                        wish.opening = Some(if keeps { 0.0 } else { self.desktop.opening });
+                        let opening = self.openings[self.active];
+                        wish.opening = Some(if keeps { 0.0 } else { opening });
                     }
                 }
             }
@@ -211,9 +221,17 @@ impl Hands {
     pub fn release(&mut self) -> Option<DesktopInput> {
         let tool = self.closing.take()?;
         (!self.keeps[tool]).then(|| DesktopInput {
-            opening: Some(self.desktop.opening),
+            opening: Some(self.openings[tool]),
             ..self.wish(tool)
         })
+    }
+
+    /// Opens the jaws in hand by this much more, from closed where they are kept so; those that the button closes are so when it is released.
+    fn open(&mut self, by: f64) -> Option<f64> {
+        let kept = std::mem::take(&mut self.keeps[self.active]);
+        let opening = &mut self.openings[self.active];
+        *opening = (if kept { 0.0 } else { *opening } + by).clamp(0.0, 1.0);
+        (self.closing != Some(self.active)).then_some(*opening)
     }
 
     /// A motion in the plane of the field that is seen as this one \[points\].
@@ -335,6 +353,30 @@ mod tests {
             opening(handle(&mut hands, &[shortcut::press(Key::C)])),
             [Some(0.8)]
         );
+        // By steps from where they are, to the end of their way, and back to it after the button; from closed where they were kept so.
+        let steps = |keys: &[Key]| {
+            keys.iter()
+                .map(|key| shortcut::press(*key))
+                .collect::<Vec<_>>()
+        };
+        let asked = opening(handle(&mut hands, &steps(&[Key::A, Key::A, Key::D])));
+        let expected = [0.75, 0.7, 0.75];
+        assert!(
+            asked
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| (a.unwrap() - b).abs() < 1e-12),
+            "{asked:?}"
+        );
+        let asked = opening(handle(&mut hands, &[press.clone(), release.clone()]));
+        assert!(asked[0] == Some(0.0) && (asked[1].unwrap() - 0.75).abs() < 1e-12);
+        let asked = opening(handle(&mut hands, &steps(&[Key::C, Key::A, Key::D])));
+        assert_eq!(asked, [Some(0.0), Some(0.0), Some(0.05)]);
+        let asked = opening(handle(&mut hands, &steps(&[Key::D; 25])));
+        assert_eq!(asked.last(), Some(&Some(1.0)));
+        let mut wishes = Vec::new();
+        hands.handle(&shortcut::press(Key::A), true, PICTURE, &mut wishes);
+        assert_eq!(wishes[0].opening, Some(0.9875), "a quarter of a step");
         // The other hand: what the button closed opens, and the wheel lifts the other one.
         let wheel = Event::MouseWheel {
             unit: MouseWheelUnit::Line,
@@ -348,7 +390,11 @@ mod tests {
             wishes.iter().map(|w| (&w.tool[..], w.opening)).collect();
         assert_eq!(
             of,
-            [("right", Some(0.0)), ("right", Some(0.8)), ("left", None)]
+            [
+                ("right", Some(0.0)),
+                ("right", Some(0.9875)),
+                ("left", None)
+            ]
         );
         assert!((wishes[2].shift[2] - 0.25e-3).abs() < 1e-12);
     }

@@ -1,7 +1,40 @@
 //! Memory that was freed goes back to the system.
 //!
 //! glibc keeps what is freed between blocks that are in use: levels with recordings and pictures of many sizes leave gaps of hundreds of
-//! megabytes behind. Elsewhere nothing is done. What threads of a replay that was left, and pictures that the driver still draws, free later goes back with the next one.
+//! megabytes behind. Elsewhere nothing is done.
+
+/// After so many pictures the driver has drawn, and freed, all that was let go with a level: three pictures are on their way at most.
+const PICTURES: u32 = 8;
+
+/// Gives back what a level or a replay took, once all of it is freed.
+#[derive(Debug, Default)]
+pub struct GivingBack {
+    pictures: Option<u32>,
+}
+
+impl GivingBack {
+    /// Something was left.
+    pub fn begin(&mut self) {
+        self.pictures = Some(0);
+    }
+
+    /// Another picture is drawn; none counts while threads of what was left compute still. Whether more pictures are needed.
+    pub fn count(&mut self, computes_still: bool) -> bool {
+        let Some(pictures) = &mut self.pictures else {
+            return false;
+        };
+        if computes_still {
+            return true;
+        }
+        *pictures += 1;
+        if *pictures < PICTURES {
+            return true;
+        }
+        self.pictures = None;
+        give_back();
+        false
+    }
+}
 
 /// Gives back what is freed, in all arenas.
 pub fn give_back() {
@@ -12,8 +45,25 @@ pub fn give_back() {
     }
 }
 
-#[cfg(all(test, target_os = "linux", target_env = "gnu"))]
+#[cfg(test)]
 mod tests {
+    use super::*;
+
+    /// It waits for the threads, then for the driver, and then no picture is drawn for it.
+    #[test]
+    fn it_is_given_back_some_pictures_after_the_last_thread() {
+        let mut giving_back = GivingBack::default();
+        assert!(!giving_back.count(false), "nothing was left");
+        giving_back.begin();
+        assert!((0..20).all(|_| giving_back.count(true)));
+        assert!((1..PICTURES).all(|_| giving_back.count(false)));
+        assert!(!giving_back.count(false));
+        assert!(!giving_back.count(false));
+    }
+}
+
+#[cfg(all(test, target_os = "linux", target_env = "gnu"))]
+mod tests_with_glibc {
     use super::*;
 
     /// Resident memory \[bytes\].

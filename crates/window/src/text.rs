@@ -92,7 +92,7 @@ phrases! {
     STALE: "veraltet", "stale";
     NEVER_SEEN: "nie gesehen", "never seen";
     MOUSE: "Maus: Spitze bewegen · Rad: heben, senken · links: schließen · rechts ziehen: drehen", "Mouse: move the tip · wheel: raise, lower · left: close · drag right: turn";
-    KEYS: "Tab: andere Hand · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · +, −, 0: Vergrößerung · I, J, K, L: Bild verschieben · U, O: Schärfe · Esc: Pause", "Tab: other hand · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · +, −, 0: magnification · I, J, K, L: move the view · U, O: focus · Esc: pause";
+    KEYS: "Tab: andere Hand · A, D: schließen, öffnen · C: geschlossen halten · Q, E: rollen · Pfeile, W, S: Schritte · Umschalt: fein · +, −, 0: Vergrößerung · I, J, K, L: Bild verschieben · U, O: Schärfe · Esc: Pause", "Tab: other hand · A, D: close, open · C: keep closed · Q, E: roll · arrows, W, S: steps · Shift: fine · +, −, 0: magnification · I, J, K, L: move the view · U, O: focus · Esc: pause";
     FOOT_SWITCH: "Fußschalter", "Foot switch";
     MAGNIFY: "stärker vergrößern", "more magnification";
     REDUCE: "schwächer vergrößern", "less magnification";

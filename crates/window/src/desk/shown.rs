@@ -4,10 +4,13 @@ use super::{Desk, Screen, field_of};
 use crate::device;
 use crate::field::Field;
 use crate::look;
-use crate::memory;
 use crate::shortcut;
 use crate::training::Outcome;
 use eframe::egui::Ui;
+use std::time::Duration;
+
+/// Until the next picture of those after which memory is given back.
+const NEXT_PICTURE: Duration = Duration::from_millis(50);
 
 impl device::Shown for Desk {
     fn release(&mut self) {
@@ -88,13 +91,21 @@ impl device::Shown for Desk {
             }
         }
         if ran && !self.runs() {
-            memory::give_back();
+            self.giving_back.begin();
+        }
+        if !self.runs() && self.giving_back.count(self.computes_still()) {
+            ui.ctx().request_repaint_after(NEXT_PICTURE);
         }
         shortcut::note_use(ui.ctx());
     }
 }
 
 impl Desk {
+    /// Whether a replay that was left is computed, or filmed, still.
+    fn computes_still(&self) -> bool {
+        self.left.as_ref().is_some_and(|left| !left.is_finished()) || self.left_films.is_ending()
+    }
+
     /// Whether a level or a replay is shown.
     fn runs(&self) -> bool {
         matches!(self.screen, Screen::Training(_) | Screen::Replay(..))
