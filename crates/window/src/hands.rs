@@ -4,18 +4,20 @@
 //! closes it, the right one turns it, and keys open it by as much as a grip, a ring or a lumen takes. The other hand stays where it is.
 
 use crate::steering::Grasp;
-use eframe::egui::{self, Event, Key, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2};
+use eframe::egui::{self, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, Vec2};
 use microsim_message::DesktopInput;
 use microsim_settings::{Desktop, View};
 
 /// A drag of the right button turns by this much \[rad per point\].
 const TURN: f64 = 0.006;
-/// A key that is held turns by this much in a second \[rad/s\].
-const KEY_TURN: f64 = 1.2;
+/// Keys that roll the handle by a step: key, direction.
+const ROLLS: [(Key, f64); 2] = [(Key::Q, -1.0), (Key::E, 1.0)];
+/// Such a step \[rad\]; a key that is held repeats it 25 to 30 times in a second on most desktops.
+const ROLL_STEP: f64 = 0.04;
 /// Keys that open jaws by a step: key, direction.
 const OPENINGS: [(Key, f64); 2] = [(Key::A, -1.0), (Key::D, 1.0)];
 /// What such a step is of the whole opening.
-const OPENING_STEP: f64 = 0.05;
+const OPENING_STEP: f64 = 0.04;
 /// Keys that move the tip by a step: key, axis of the field, direction.
 const STEPS: [(Key, usize, f64); 6] = [
     (Key::ArrowRight, 0, 1.0),
@@ -43,6 +45,8 @@ pub struct Hands {
     closing: Option<usize>,
     /// Whether the right button turns.
     is_turning: bool,
+    /// Whether Shift was pressed with the picture before.
+    had_shift: bool,
     /// Where the pointer was last \[points\].
     pointer: Option<Pos2>,
     desktop: Desktop,
@@ -58,6 +62,7 @@ impl Hands {
             openings: vec![desktop.opening; tools.len()],
             closing: None,
             is_turning: false,
+            had_shift: false,
             pointer: None,
             tools,
             desktop,
@@ -112,16 +117,10 @@ impl Hands {
             .map(|now| now - input.pointer.delta());
         self.pointer = self.pointer.or(before);
         for event in &input.events {
-            self.handle(event, input.modifiers.shift, picture, &mut wishes);
+            let is_fine = self.is_fine(event, input.modifiers);
+            self.handle(event, is_fine, picture, &mut wishes);
         }
-        let dt = f64::from(input.stable_dt.min(0.1));
-        let rolls = |key| f64::from(u8::from(input.key_down(key)));
-        let roll = (rolls(Key::E) - rolls(Key::Q)) * KEY_TURN * dt;
-        if roll != 0.0 {
-            let mut wish = self.wish(self.active);
-            wish.turn[2] = roll * if input.modifiers.shift { FINE } else { 1.0 };
-            wishes.push(wish);
-        }
+        self.had_shift = input.modifiers.shift;
         wishes
     }
 
@@ -190,6 +189,8 @@ impl Hands {
             } => {
                 if let Some((_, axis, sign)) = STEPS.iter().find(|(of, ..)| of == key) {
                     wish.shift[*axis] = sign * step;
+                } else if let Some((_, sign)) = ROLLS.iter().find(|(of, _)| of == key) {
+                    wish.turn[2] = sign * ROLL_STEP * fine;
                 } else if let Some((_, sign)) = OPENINGS.iter().find(|(of, _)| of == key) {
                     wish.opening = self.open(sign * OPENING_STEP * fine);
                 } else if *key == Key::Tab && !repeat && self.tools.len() > 1 {
@@ -217,6 +218,14 @@ impl Hands {
         }
     }
 
+    /// Whether Shift was pressed with an event. Of motions of the pointer it is not stated: with the pictures before and after them it was.
+    fn is_fine(&self, event: &Event, after: Modifiers) -> bool {
+        match event {
+            Event::Key { modifiers, .. } | Event::MouseWheel { modifiers, .. } => modifiers.shift,
+            _ => self.had_shift && after.shift,
+        }
+    }
+
     /// The button is no longer pressed: jaws open that are not to stay closed.
     pub fn release(&mut self) -> Option<DesktopInput> {
         let tool = self.closing.take()?;
@@ -230,7 +239,9 @@ impl Hands {
     fn open(&mut self, by: f64) -> Option<f64> {
         let kept = std::mem::take(&mut self.keeps[self.active]);
         let opening = &mut self.openings[self.active];
-        *opening = (if kept { 0.0 } else { *opening } + by).clamp(0.0, 1.0);
+        // Steps back end where those forth began, and closed is closed.
+        let sum = if kept { 0.0 } else { *opening } + by;
+        *opening = (libm::round(sum * 1e6) / 1e6).clamp(0.0, 1.0);
         (self.closing != Some(self.active)).then_some(*opening)
     }
 
@@ -258,7 +269,7 @@ pub fn mirrored(wish: DesktopInput) -> DesktopInput {
 mod tests {
     use super::*;
     use crate::shortcut;
-    use eframe::egui::{Modifiers, pos2, vec2};
+    use eframe::egui::{pos2, vec2};
 
     const PICTURE: Rect = Rect {
         min: pos2(0.0, 0.0),
@@ -360,7 +371,7 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         let asked = opening(handle(&mut hands, &steps(&[Key::A, Key::A, Key::D])));
-        let expected = [0.75, 0.7, 0.75];
+        let expected = [0.76, 0.72, 0.76];
         assert!(
             asked
                 .iter()
@@ -369,14 +380,14 @@ mod tests {
             "{asked:?}"
         );
         let asked = opening(handle(&mut hands, &[press.clone(), release.clone()]));
-        assert!(asked[0] == Some(0.0) && (asked[1].unwrap() - 0.75).abs() < 1e-12);
+        assert!(asked[0] == Some(0.0) && (asked[1].unwrap() - 0.76).abs() < 1e-12);
         let asked = opening(handle(&mut hands, &steps(&[Key::C, Key::A, Key::D])));
-        assert_eq!(asked, [Some(0.0), Some(0.0), Some(0.05)]);
-        let asked = opening(handle(&mut hands, &steps(&[Key::D; 25])));
+        assert_eq!(asked, [Some(0.0), Some(0.0), Some(0.04)]);
+        let asked = opening(handle(&mut hands, &steps(&[Key::D; 26])));
         assert_eq!(asked.last(), Some(&Some(1.0)));
         let mut wishes = Vec::new();
         hands.handle(&shortcut::press(Key::A), true, PICTURE, &mut wishes);
-        assert_eq!(wishes[0].opening, Some(0.9875), "a quarter of a step");
+        assert_eq!(wishes[0].opening, Some(0.99), "a quarter of a step");
         // The other hand: what the button closed opens, and the wheel lifts the other one.
         let wheel = Event::MouseWheel {
             unit: MouseWheelUnit::Line,
@@ -390,13 +401,36 @@ mod tests {
             wishes.iter().map(|w| (&w.tool[..], w.opening)).collect();
         assert_eq!(
             of,
-            [
-                ("right", Some(0.0)),
-                ("right", Some(0.9875)),
-                ("left", None)
-            ]
+            [("right", Some(0.0)), ("right", Some(0.99)), ("left", None)]
         );
         assert!((wishes[2].shift[2] - 0.25e-3).abs() < 1e-12);
+    }
+
+    /// As often as a key was pressed, however slow the pictures are; with Shift, which may be released before the picture, by a quarter.
+    #[test]
+    fn a_key_rolls_by_a_step() {
+        let rolls = [Key::E, Key::E, Key::Q].map(|key| shortcut::press(key));
+        let turns = handle(&mut hands(), &rolls);
+        let turns: Vec<f64> = turns.iter().map(|wish| wish.turn[2]).collect();
+        assert_eq!(turns, [ROLL_STEP, ROLL_STEP, -ROLL_STEP]);
+        let shifted = Event::Key {
+            key: Key::E,
+            physical_key: None,
+            pressed: true,
+            repeat: true,
+            modifiers: Modifiers::SHIFT,
+        };
+        let mut own = hands();
+        assert!(own.is_fine(&shifted, Modifiers::NONE));
+        assert!(!own.is_fine(&rolls[0], Modifiers::SHIFT));
+        let moved = Event::PointerMoved(pos2(0.0, 0.0));
+        assert!(!own.is_fine(&moved, Modifiers::SHIFT));
+        own.had_shift = true;
+        assert!(own.is_fine(&moved, Modifiers::SHIFT));
+        assert!(!own.is_fine(&moved, Modifiers::NONE));
+        let mut wishes = Vec::new();
+        own.handle(&shifted, true, PICTURE, &mut wishes);
+        assert_eq!(wishes[0].turn, [0.0, 0.0, 0.25 * ROLL_STEP]);
     }
 
     /// Where right and left are exchanged in the picture, a pointer that goes to the right asks for a smaller x; up stays up. How the angles of a hand change is in its

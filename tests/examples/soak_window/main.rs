@@ -1,12 +1,15 @@
-//! `cargo xtask soak window [-- MINUTES SEED]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
-//! First every level that is played later is shown once. Then level after level by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
+//! `cargo xtask soak window [-- MINUTES SEED | passes [MODULE [LEVEL]]]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
+//!
+//! First every level, until it is passed: somebody does what its script that passes does, one hand after the other; writes `tests/results/soak_window_passes.md`. Then, in another window, every level that is played later is shown once, and level after level is played by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
 //! `tests/results/soak_window.md`.
 //!
 //! Ends with status 1 if the window panics, freezes, ends, loses a session or records one that does not replay, if memory grows, or if more ticks are late than may be.
 
 mod account;
 mod page;
+mod passes;
 mod player;
+mod strokes;
 
 use account::{Memory, Shown};
 use microsim_random::SplitMix64;
@@ -68,15 +71,28 @@ struct Soak {
     faults: Vec<String>,
 }
 
-/// All levels, with the place of their module in the launcher.
-fn levels() -> Vec<(usize, String, u32)> {
+/// A level.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Level {
+    /// Where its module stands in the launcher, from 0.
+    place: usize,
+    module: String,
+    number: u32,
+}
+
+/// All levels.
+fn levels() -> Vec<Level> {
     let listed = microsim(["list", "--json"]).json();
     let modules = listed["modules"].as_array().cloned().unwrap_or_default();
     let of = |(place, module): (usize, &serde_json::Value)| {
         let name = module["name"].as_str().unwrap_or_default().to_owned();
         let count = module["levels"].as_array().map_or(0, Vec::len) as u32;
         (1..=count)
-            .map(move |level| (place, name.clone(), level))
+            .map(move |number| Level {
+                place,
+                module: name.clone(),
+                number,
+            })
             .collect::<Vec<_>>()
     };
     modules.iter().enumerate().flat_map(of).collect()
@@ -158,14 +174,9 @@ fn happen(
 }
 
 /// A level from the launcher to the launcher.
-fn slot(
-    player: &mut Player<'_>,
-    driver: &Driver,
-    n: usize,
-    level: &(usize, String, u32),
-) -> Result<(), String> {
+fn slot(player: &mut Player<'_>, driver: &Driver, n: usize, level: &Level) -> Result<(), String> {
     player.focus()?;
-    let mut session = player.begin(level.0, level.2)?;
+    let mut session = player.begin(level.place, level.number)?;
     player.play(&session, PLAYED / 2.0)?;
     if !player.has_ended(&session) {
         session = happen(EVENTS[n % EVENTS.len()], player, driver, &session)?;
@@ -230,10 +241,11 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
         })
         .collect();
     let looked_at: BTreeSet<_> = levels.iter().collect();
-    for (module, name, level) in looked_at {
+    for level in looked_at {
         player.focus()?;
-        let seen = player.look_at(*module, *level);
-        seen.map_err(|why| format!("{name} level {level}, before anything is measured: {why}"))?;
+        let seen = player.look_at(level.place, level.number);
+        let Level { module, number, .. } = level;
+        seen.map_err(|why| format!("{module} level {number}, before anything is measured: {why}"))?;
     }
     let mut soak = Soak {
         minutes,
@@ -249,8 +261,8 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     let before = player.begun();
     for (n, level) in levels.into_iter().enumerate() {
         let event = EVENTS[n % EVENTS.len()];
-        eprintln!("{} level {}: {event:?}", level.1, level.2);
-        soak.slots.push((level.1.clone(), level.2, event));
+        eprintln!("{} level {}: {event:?}", level.module, level.number);
+        soak.slots.push((level.module.clone(), level.number, event));
         if let Err(why) = slot(&mut player, &driver, n, level) {
             let picture = std::env::temp_dir().join("soak-window.png");
             display.keep(&picture);
@@ -260,8 +272,8 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
             });
             soak.faults.push(format!(
                 "{} level {}, {event:?}: {why}; {state}; what was seen: {}",
-                level.1,
-                level.2,
+                level.module,
+                level.number,
                 picture.display()
             ));
             break;
@@ -309,28 +321,74 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     Ok(soak)
 }
 
-fn order(words: &[String]) -> Option<(f64, u64)> {
-    let minutes = words
-        .first()
-        .map_or(Some(MINUTES), |word| word.parse().ok())?;
-    let seed = words.get(1).map_or(Some(1), |word| word.parse().ok())?;
-    (minutes > 0.0 && words.len() <= 2).then_some((minutes, seed))
+/// What is asked for.
+enum Order {
+    /// All of it.
+    All,
+    /// Somebody plays for so many minutes, with a seed.
+    Minutes(f64, u64),
+    /// Levels of modules whose names begin so, or one of them, are passed: a page is written of all of them alone.
+    Passes(String, Option<u32>),
+}
+
+fn order(words: &[String]) -> Option<Order> {
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    match words[..] {
+        [] => Some(Order::All),
+        ["passes"] => Some(Order::Passes(String::new(), None)),
+        ["passes", module] => Some(Order::Passes(module.into(), None)),
+        ["passes", module, level] => Some(Order::Passes(module.into(), Some(level.parse().ok()?))),
+        [minutes, ref seed @ ..] => {
+            let minutes = minutes.parse().ok().filter(|minutes| *minutes > 0.0)?;
+            match seed {
+                [] => Some(Order::Minutes(minutes, 1)),
+                [seed] => Some(Order::Minutes(minutes, seed.parse().ok()?)),
+                _ => None,
+            }
+        }
+    }
+}
+
+fn write(name: &str, text: &str) -> Result<(), String> {
+    print!("{text}");
+    let file = repository().join("tests/results").join(name);
+    fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))
+}
+
+/// Whether all is as it should be.
+fn run(order: &Order) -> Result<bool, String> {
+    match order {
+        Order::All => {
+            let passes = run(&Order::Passes(String::new(), None))?;
+            Ok(run(&Order::Minutes(MINUTES, 1))? && passes)
+        }
+        Order::Minutes(minutes, seed) => {
+            let soak = soak(*minutes, *seed)?;
+            let (text, is_good) = page::of(&soak);
+            write("soak_window.md", &text)?;
+            Ok(is_good)
+        }
+        Order::Passes(module, number) => {
+            let attempts = passes::play(module, *number)?;
+            let (text, is_good) = passes::page(&attempts);
+            match module.is_empty() {
+                true => write("soak_window_passes.md", &text)?,
+                false => print!("{text}"),
+            }
+            Ok(is_good)
+        }
+    }
 }
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let Some((minutes, seed)) = order(&words) else {
-        eprintln!("expected MINUTES, above 0, and SEED, or nothing");
+    let Some(order) = order(&words) else {
+        eprintln!(
+            "expected MINUTES, above 0, and SEED, or passes and the begin of a module's name with or without a level's number, or nothing"
+        );
         return ExitCode::from(2);
     };
-    let soaked = soak(minutes, seed).and_then(|soak| {
-        let (text, is_good) = page::of(&soak, &words);
-        print!("{text}");
-        let file = repository().join("tests/results/soak_window.md");
-        fs::write(&file, text).map_err(|error| format!("{}: {error}", file.display()))?;
-        Ok(is_good)
-    });
-    match soaked {
+    match run(&order) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(why) => {

@@ -27,7 +27,7 @@ fn cause(run: &Shown) -> String {
 }
 
 /// The page, and whether all of it is as it should be.
-pub fn of(soak: &Soak, words: &[String]) -> (String, bool) {
+pub fn of(soak: &Soak) -> (String, bool) {
     let mut faults = soak.faults.clone();
     let sum = |name: &str| soak.shown.iter().map(|run| run.number(name)).sum::<f64>();
     let [ticks, late, overdue, by_work] = ["ticks", "late", "overdue", "overdue_by_work"].map(sum);
@@ -56,15 +56,12 @@ pub fn of(soak: &Soak, words: &[String]) -> (String, bool) {
             faults.push(format!("memory grows by {slope:.2} ± {error:.2} MB/min"));
         }
     }
-    let arguments = match words.is_empty() {
-        true => String::new(),
-        false => format!(" -- {}", words.join(" ")),
-    };
     let happened = |event: Event| soak.slots.iter().filter(|slot| slot.2 == event).count();
     let mut text = format!(
-        "# The window over {} minutes\n\nCommand: `cargo xtask soak window{arguments}`. One process, moved from outside by keys and mouse (seed {}), 1280 × 720 pixels at first, on a display and with a driver of the processor. \
+        "# The window over {} minutes\n\nCommand: `cargo xtask soak window -- {} {}`. One process, moved from outside by keys and mouse, 1280 × 720 pixels at first, on a display and with a driver of the processor. \
          Every quality of pictures was drawn in, and every level that is played was shown, once before. {} levels were begun; in their middle the window was given other sizes {} times, minimised {} and unmapped {} times, moved to scales of 1.5 and 1.25 {} times, filled the screen {} times, \
          lost its graphics device {} times, changed quality and panels {} times; {} levels were begun anew.\n\n",
+        soak.minutes,
         soak.minutes,
         soak.seed,
         soak.slots.len(),

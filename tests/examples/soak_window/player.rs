@@ -2,6 +2,7 @@
 
 use microsim_random::SplitMix64;
 use microsim_tests::desktop::Display;
+use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,6 +12,9 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(45);
 /// Between two keys: a slow picture comes in that time.
 const KEY: &str = "350";
+/// What xdotool is asked for at once: seconds and words.
+const PART: f64 = 4.0;
+const WORDS: usize = 4000;
 /// The player.
 pub struct Player<'a> {
     pub display: &'a Display,
@@ -115,6 +119,7 @@ impl<'a> Player<'a> {
         // What has the keyboard gives it back; then to the first module and from there.
         self.keys(&["Escape"])?;
         let mut keys = vec!["Up"; 10];
+        keys.extend(["Left"; 10]);
         keys.extend(vec!["Down"; module]);
         keys.extend(vec!["Right"; level as usize - 1]);
         keys.push("Return");
@@ -138,6 +143,39 @@ impl<'a> Player<'a> {
         self.wait(1.0);
         self.end(&session)?;
         self.to_modules()
+    }
+
+    /// Leaves the introduction as soon as it is there, which is seen from the recording that grows from then on; gives the session.
+    pub fn begin_at_once(&self, module: usize, level: u32) -> Result<PathBuf, String> {
+        let session = self.open(module, level)?;
+        let size = || fs::metadata(&session).map_or(0, |metadata| metadata.len());
+        let before = Cell::new(size());
+        self.until("a level goes on", || {
+            let pressed = self.display.ask(&["key", "Return"]);
+            self.wait(0.5);
+            let (before, now) = (before.replace(size()), size());
+            (pressed.is_ok() && now > before).then_some(())
+        })?;
+        Ok(session)
+    }
+
+    /// Does what xdotool is to do, in parts of a few seconds, until the level has ended.
+    pub fn perform(&self, session: &Path, commands: &[(Vec<String>, f64)]) -> Result<(), String> {
+        let mut words: Vec<&str> = Vec::new();
+        let mut seconds = 0.0;
+        for (n, (command, takes)) in commands.iter().enumerate() {
+            words.extend(command.iter().map(String::as_str));
+            seconds += takes;
+            if seconds > PART || words.len() > WORDS || n + 1 == commands.len() {
+                self.display.ask(&words)?;
+                words.clear();
+                seconds = 0.0;
+                if self.has_ended(session) {
+                    break;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Leaves the introduction, which is there once the tissue is prepared; later the key has no meaning.
