@@ -146,8 +146,7 @@ impl Strokes {
 
     fn take(&mut self, tool: usize) {
         while self.active != tool {
-            self.add(&["key", "Tab"]);
-            self.wait(0.1);
+            self.add(&["key", "--delay", "2", "Tab"]);
             self.active = (self.active + 1) % self.tools.len();
         }
     }
@@ -311,7 +310,8 @@ impl Strokes {
             for turn in 1..=turns {
                 for (tool, to) in targets() {
                     let to = between_poses(from[tool], to, f64::from(turn) / f64::from(turns));
-                    self.go(tool, to, seconds / f64::from(turns));
+                    // Both together take as long as in the script.
+                    self.go(tool, to, seconds / f64::from(turns) / moved.len() as f64);
                 }
             }
             if seconds > BRIEF {
