@@ -170,12 +170,7 @@ impl Strokes {
     /// Presses one of two keys as often as comes nearest to what is to be done; what is done.
     fn press(&mut self, [less, more]: [&str; 2], by: f64, step: f64, is_fine: bool) -> f64 {
         let step = if is_fine { FINE * step } else { step };
-        // Large ones go nowhere beyond, as a grip that was too firm for a moment is one that crushed.
-        let count = if is_fine {
-            (by / step).round()
-        } else {
-            (by / step + by.signum() * 1e-6).trunc()
-        };
+        let count = (by / step).round();
         let key = if count < 0.0 { less } else { more };
         for _ in 0..count.abs() as u32 {
             self.add(&["key", "--delay", "2", key]);
@@ -203,6 +198,11 @@ impl Strokes {
 
     fn open(&mut self, to: f64, is_fine: bool) {
         let by = to - self.asked[self.active].opening;
+        // Large steps close no farther than that: a grip that is too firm for a moment crushes.
+        let by = match is_fine {
+            true => by,
+            false => (by / OPENING_STEP + 1e-6 * by.signum()).trunc() * OPENING_STEP,
+        };
         let opened = self.press(["a", "d"], by, OPENING_STEP, is_fine);
         let opening = &mut self.asked[self.active].opening;
         *opening = (*opening + opened).clamp(0.0, 1.0);
@@ -232,6 +232,8 @@ impl Strokes {
         self.take(tool);
         let from = self.asked[tool];
         let turn = turn_between(from.angles, to.angles);
+        // The tip waits for the handle, which turns slower than a script may have it.
+        let seconds = seconds.max(turn / APPROACH[1]);
         let pieces = (seconds / PAUSE)
             .max(turn / LARGEST_TURN)
             .ceil()
