@@ -10,6 +10,7 @@ use microsim_tests::peers::Peer;
 use microsim_tests::{command, finish, repository, scratch};
 use serde_json::Value;
 use std::fs;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// How often somebody tries.
@@ -50,7 +51,7 @@ fn strokes(level: &Level) -> Result<Vec<(Vec<String>, f64)>, String> {
     Ok(Strokes::new(tools, settings.view, desktop.settings).of(&script))
 }
 
-fn attempt(player: &mut Player<'_>, level: &Level) -> Result<(Value, std::path::PathBuf), String> {
+fn attempt(player: &mut Player<'_>, level: &Level) -> Result<(Value, PathBuf), String> {
     let commands = strokes(level)?;
     player.focus()?;
     let session = player.begin_at_once(level.place, level.number)?;
@@ -78,8 +79,17 @@ fn attempt(player: &mut Player<'_>, level: &Level) -> Result<(Value, std::path::
     Ok((report, session))
 }
 
-/// Plays those levels of which module and number begin so, in a new window, each until it is passed or was tried often enough.
+/// Plays the levels of those modules whose names begin so, or those of one number, in a new window, each until it is passed or was tried often enough.
 pub fn play(module: &str, number: Option<u32>) -> Result<Vec<Attempt>, String> {
+    let levels: Vec<Level> = levels()
+        .into_iter()
+        .filter(|level| level.module.starts_with(module))
+        .filter(|level| number.is_none_or(|only| only == level.number))
+        .collect();
+    if levels.is_empty() {
+        let level = number.map_or_else(String::new, |number| format!(" with a level {number}"));
+        return Err(format!("no module's name begins with \"{module}\"{level}"));
+    }
     let folder = scratch();
     let data = folder.path().join("data");
     let failed = |error: std::io::Error| format!("{}: {error}", data.display());
@@ -93,10 +103,7 @@ pub fn play(module: &str, number: Option<u32>) -> Result<Vec<Attempt>, String> {
     player.focus()?;
     player.wait(3.0);
     let mut attempts: Vec<Attempt> = Vec::new();
-    for level in levels() {
-        if !level.module.starts_with(module) || number.is_some_and(|only| only != level.number) {
-            continue;
-        }
+    for level in levels {
         for number in 1..=ATTEMPTS {
             let (report, replays) = match attempt(&mut player, &level) {
                 Ok((report, session)) => {

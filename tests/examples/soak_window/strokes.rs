@@ -352,3 +352,42 @@ fn turn_between(from: HandAngles, to: HandAngles) -> f64 {
     ];
     a.abs().max(e.abs()).max(r.abs())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use microsim_random::SplitMix64;
+
+    /// A hand with the angles that are found is held as the one that was turned, up to half a turn about its shaft: the quaternion between the two is (0, 0, 0, 1) or (0, 0, 1, 0), and
+    /// its azimuth and roll are the nearest of all that are.
+    #[test]
+    fn angles_are_those_of_the_handle() {
+        let mut random = SplitMix64(1);
+        for _ in 0..1000 {
+            let mut within = |most: f64| most * random.number();
+            let angles = HandAngles {
+                azimuth: within(3.0),
+                elevation: within(1.5),
+                roll: within(6.0),
+            };
+            let before = HandAngles {
+                azimuth: within(3.0),
+                elevation: within(1.5),
+                roll: within(6.0),
+            };
+            let found = angles_of(angles.orientation(), before);
+            let [held, again] = [angles, found].map(|angles| {
+                let [x, y, z, w] = angles.orientation();
+                UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+            });
+            let shaft = (held.inverse() * again).coords;
+            assert!(shaft.x.hypot(shaft.y) < 1e-9, "{angles:?} {found:?}");
+            assert!(
+                shaft.z.abs() < 1e-9 || shaft.w.abs() < 1e-9,
+                "{angles:?} {found:?}"
+            );
+            assert!((found.azimuth - before.azimuth).abs() <= PI + 1e-9);
+            assert!((found.roll - before.roll).abs() <= PI / 2.0 + 1e-9);
+        }
+    }
+}
