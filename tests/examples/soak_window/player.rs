@@ -175,7 +175,10 @@ impl<'a> Player<'a> {
                 }
             }
         }
-        Ok(())
+        // A level may end while they are pressed, and with them keys mean something else.
+        self.display
+            .ask(&["keyup", "shift", "mouseup", "3"])
+            .map(drop)
     }
 
     /// Leaves the introduction, which is there once the tissue is prepared; later the key has no meaning.
