@@ -235,12 +235,12 @@ impl Hands {
         })
     }
 
-    /// Opens the jaws in hand by this much more, from closed where they are kept so; those that the button closes are so when it is released.
+    /// Opens the jaws in hand by this much more, from closed where they stay closed; those that the button closes open so far when it is released.
     fn open(&mut self, by: f64) -> Option<f64> {
-        let kept = std::mem::take(&mut self.keeps[self.active]);
+        let stayed_closed = std::mem::take(&mut self.keeps[self.active]);
         let opening = &mut self.openings[self.active];
         // Steps back end where those forth began, and closed is closed.
-        let sum = if kept { 0.0 } else { *opening } + by;
+        let sum = if stayed_closed { 0.0 } else { *opening } + by;
         *opening = (libm::round(sum * 1e6) / 1e6).clamp(0.0, 1.0);
         (self.closing != Some(self.active)).then_some(*opening)
     }
@@ -364,7 +364,7 @@ mod tests {
             opening(handle(&mut hands, &[shortcut::press(Key::C)])),
             [Some(0.8)]
         );
-        // By steps from where they are, to the end of their way, and back to it after the button; from closed where they were kept so.
+        // By steps from where they are, to the end of their way, and back to it after the button; from closed where they stayed so.
         let steps = |keys: &[Key]| {
             keys.iter()
                 .map(|key| shortcut::press(*key))
@@ -409,7 +409,7 @@ mod tests {
     /// As often as a key was pressed, however slow the pictures are; with Shift, which may be released before the picture, by a quarter.
     #[test]
     fn a_key_rolls_by_a_step() {
-        let rolls = [Key::E, Key::E, Key::Q].map(|key| shortcut::press(key));
+        let rolls = [Key::E, Key::E, Key::Q].map(shortcut::press);
         let turns = handle(&mut hands(), &rolls);
         let turns: Vec<f64> = turns.iter().map(|wish| wish.turn[2]).collect();
         assert_eq!(turns, [ROLL_STEP, ROLL_STEP, -ROLL_STEP]);

@@ -3,7 +3,7 @@
 //! glibc keeps what is freed between blocks that are in use: levels with recordings and pictures of many sizes leave gaps of hundreds of
 //! megabytes behind. Elsewhere nothing is done.
 
-/// After so many pictures the driver has drawn, and freed, all that was let go with a level: three pictures are on their way at most.
+/// After so many pictures the driver has drawn, and freed, all that was let go with a level: it has three of them at most at the same time.
 const PICTURES: u32 = 8;
 
 /// Gives back what a level or a replay took, once all of it is freed.
