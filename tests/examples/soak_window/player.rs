@@ -226,8 +226,8 @@ impl<'a> Player<'a> {
         }
         let wheel = if self.random.below(2) == 0 { "4" } else { "5" };
         let keys = [
-            "c", "q", "e", "w", "s", "plus", "minus", "i", "j", "k", "l", "u", "o", "0", "Tab",
-            "Left", "Right",
+            "a", "d", "c", "q", "e", "w", "s", "plus", "minus", "i", "j", "k", "l", "u", "o", "0",
+            "Tab", "Left", "Right",
         ];
         match self.random.below(3) {
             0 => add(&["click", "--repeat", "4", "--delay", "60", wheel]),
