@@ -187,7 +187,7 @@ pub const SOAKS: &[Program] = &[
     Program {
         name: "window",
         example: "soak_window",
-        shows: "the window: all levels passed by mouse and keys (-- passes), 30 minutes of play (-- MINUTES SEED)",
+        shows: "all levels by mouse and keys (-- passes), 30 minutes of play (-- MINUTES SEED)",
     },
     Program {
         name: "screens",
