@@ -1,8 +1,9 @@
 //! The work of a tick, bounded by the count of its operations and not by a clock, so that a run that is replayed takes the same.
 //!
 //! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
-//! four fifths of the first half, each step has an even part of what is left of it, and a repetition has the other half too and begins only where its least work fits. What has to be computed in any
-//! case is computed: an iteration of each step, whatever contact makes of it, and the tries with tools that stand. By so much a tick may exceed its budget.
+//! four fifths of the first half, each step has an even part of what is left of it, and a repetition has the other half too and begins only where its least work fits. Where iterations take more than
+//! was foreseen, as contacts become many on the way, the tools stop when only two more fit, and the rest of the tick is one step. What has to be computed in any
+//! case is computed: an iteration of that step, whatever contact makes of it, and the tries with tools that stand. By so much a tick may exceed its budget.
 
 /// The part of a budget that is left for repetitions of a tick whose forces mean nothing: without it they would mean nothing in every tick that is hard to solve.
 const RESERVE: f64 = 0.5;
@@ -65,6 +66,18 @@ impl Budget {
         (self.left - self.reserve).max(0.0) / f64::from(steps)
     }
 
+    /// Whether a try whose iterations take so much \[s\] is to end with the next one.
+    pub fn ends_with_next(&mut self, iteration: f64) -> bool {
+        let ends = self.left - self.reserve < 2.0 * iteration;
+        self.is_exceeded |= ends;
+        ends
+    }
+
+    /// Steps take at least as much as an iteration has taken on average \[s\].
+    pub fn expect(&mut self, iteration: f64) {
+        self.step = self.step.max(iteration);
+    }
+
     /// Spends the work of a step \[s\].
     pub fn spend(&mut self, work: f64) {
         self.spent += work;
@@ -77,6 +90,37 @@ impl Budget {
         let fits = self.left >= self.step * f64::from(steps);
         self.is_exceeded |= !fits;
         fits
+    }
+}
+
+/// What an iteration takes in a try, by what those so far have taken.
+#[derive(Clone, Debug)]
+pub(crate) struct IterationWork {
+    /// Per group of bodies, its work \[s\] and iterations.
+    groups: Vec<(f64, u32)>,
+}
+
+impl IterationWork {
+    /// Of so many groups.
+    pub fn new(groups: usize) -> Self {
+        Self {
+            groups: vec![(0.0, 0); groups],
+        }
+    }
+
+    /// Adds a step of a group.
+    pub fn add(&mut self, group: usize, work: f64, iterations: u32) {
+        let (sum, count) = &mut self.groups[group];
+        *sum += work;
+        *count += iterations.max(1);
+    }
+
+    /// The mean of an iteration of every group \[s\].
+    pub fn mean(&self) -> f64 {
+        let means = self.groups.iter();
+        means
+            .map(|(sum, count)| sum / f64::from((*count).max(1)))
+            .sum()
     }
 }
 
@@ -101,8 +145,26 @@ mod tests {
         assert!(fast.is_exceeded);
         // At least one, however little there is.
         assert_eq!(Budget::new(Some(0.1), 1.0).substeps(2.0, 1), (1, 0.5));
+        // Half of it is reserved for a repetition, of which two iterations of 3 s no longer fit after 11 s of a first try.
+        let mut late = Budget::new(Some(32.0), 1.0);
+        late.spend(10.0);
+        assert!(!late.ends_with_next(3.0) && !late.is_exceeded);
+        late.spend(1.0);
+        assert!(late.ends_with_next(3.0) && late.is_exceeded);
+        late.expect(3.0);
+        assert!(late.allows(7) && !late.allows(8));
         let mut any = Budget::new(None, 1.0);
         assert_eq!(any.substeps(256.0, 1), (256, 1.0));
-        assert!(any.allows(u32::MAX) && any.part(9) == f64::INFINITY && !any.is_exceeded);
+        assert!(any.allows(u32::MAX) && any.part(9) == f64::INFINITY);
+        assert!(!any.ends_with_next(1e9) && !any.is_exceeded);
+    }
+
+    #[test]
+    fn an_iteration_takes_the_mean_of_its_group() {
+        let mut work = IterationWork::new(3);
+        work.add(0, 6.0, 2);
+        work.add(0, 3.0, 1);
+        work.add(1, 0.5, 0);
+        assert_eq!(work.mean(), 3.5);
     }
 }

@@ -154,20 +154,13 @@ impl Course {
                 resistance: last.map_or(RESISTANCE[0], |last| last.resistance),
                 is_free: true,
             });
-            let mut motion = *motion;
-            let is_whole = pace >= 1.0;
-            if !is_whole {
-                motion.to = motion.from.interpolate(&motion.to, pace);
-                let left = motion.opening_to - motion.opening_from;
-                motion.opening_to = motion.opening_from + left * pace;
-            }
             PlacedTool {
-                motion,
+                motion: motion.first_part(pace),
                 start,
                 before: start,
                 now: start,
                 is_straight: true,
-                is_whole,
+                is_whole: pace >= 1.0,
                 moment: 0.0,
                 push: Vector3::zeros(),
             }
@@ -175,6 +168,15 @@ impl Course {
         Self {
             tools: tools.collect(),
             touched: Vec::new(),
+        }
+    }
+
+    /// Ends the motions where the tools are now.
+    pub fn stop(&mut self) {
+        for one in &mut self.tools {
+            one.motion.to = one.now.pose;
+            one.motion.opening_to = one.now.target;
+            (one.is_straight, one.is_whole) = (false, false);
         }
     }
 

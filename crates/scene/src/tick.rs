@@ -1,7 +1,7 @@
 //! One tick: sub-steps, contact, solver, containment.
 
 use crate::body::Body;
-use crate::budget::Budget;
+use crate::budget::{Budget, IterationWork};
 use crate::containment::{self, Failure, Watch};
 use crate::cut_report::CutReport;
 use crate::cutting::TornBodies;
@@ -125,17 +125,21 @@ impl Scene {
         let (mut motions, invalid_motions) = self.valid_motions(motions);
         self.state.placements.resume(&mut motions);
         let (needed, jumped) = self.substeps(&mut motions, tick_s, steps);
+        // Instruments that are slowed down go only a part of the way.
+        let slowed = self.state.placements.pace;
+        let needed = (slowed * needed).max(1.0);
+        let parts: Vec<ToolMotion> = motions.iter().map(|of| of.first_part(slowed)).collect();
         let groups = self.groups.iter().zip(&self.state.contacts);
         let least = groups.map(|(group, of)| group.least_work(&self.bodies, of.forces.len()));
         let least: f64 = least.sum();
         let mut budget = Budget::new(self.budget.map(|part| part * tick_s), least);
         // The cast saturates.
-        let mut division = self.division(&motions, tick_s, [steps, needed.ceil() as u32]);
-        let mut reached = 1.0;
+        let mut division = self.division(&parts, tick_s, [steps, needed.ceil() as u32]);
+        let mut reach = 1.0;
         if !budget.holds(division.count(), steps) {
             let (substeps, fraction) = budget.substeps(needed, steps);
             division = Division::even(steps.saturating_mul(substeps));
-            reached = fraction;
+            reach = fraction;
         }
         let substeps = division.count().div_ceil(steps);
         let mut start = self.state.clone();
@@ -145,10 +149,9 @@ impl Scene {
         let mut repetitions = 0;
         // Without containment only what did not converge is repeated.
         let mut doubted = start.doubtful || !self.repeat_invalid || !self.containment;
+        let pace = slowed * reach;
         // Instruments that are slowed down already are not tried at length.
-        let pace = start.placements.pace.min(reached);
-        let is_slowed = start.placements.pace < 1.0;
-        let repeats = (self.containment || self.repeat_unconverged) && !is_slowed;
+        let repeats = (self.containment || self.repeat_unconverged) && slowed >= 1.0;
         let is_tried = |(index, of): &(usize, Try)| match of {
             Try::Follow(_) => *index == 0 || repeats,
             // Without inertia nothing keeps tissue that is pressed ever further from an equilibrium that is not the right one.
@@ -189,7 +192,7 @@ impl Scene {
                 Try::Follow(factor) => division.divided(factor),
                 Try::Stand | Try::LetGo => Division::even(steps),
             };
-            match self.attempt(&mut course, tick_s, &divided, &mut budget, exec) {
+            match self.attempt(&mut course, tick_s, steps, &divided, &mut budget, exec) {
                 Ok(Attempted {
                     mut contacts,
                     loads,
@@ -346,11 +349,13 @@ impl Scene {
         }
     }
 
-    /// One try of a tick in these steps.
+    /// One try of a tick of `tick_s` \[s\] in the solver's `steps`, divided so. Where its work exceeds the budget on the way the tools stop, and each of the
+    /// solver's steps is made in one from there.
     fn attempt(
         &mut self,
         course: &mut Course,
         tick_s: f64,
+        steps: u32,
         division: &Division,
         budget: &mut Budget,
         exec: &dyn Executor,
@@ -382,13 +387,24 @@ impl Scene {
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];
         let mut longest_steps = vec![None; self.groups.len()];
-        let (count, part) = (division.count(), tick_s / f64::from(division.parts()));
+        let mut work = IterationWork::new(self.groups.len());
+        let (parts, mut count) = (division.parts(), division.count());
+        let (part, of_step) = (tick_s / f64::from(parts), (parts / steps).max(1));
         let states = &mut self.state.bodies;
         let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
         let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
         let mut jets = Vec::with_capacity(self.tools.len());
-        for step in 0..count {
-            let [from, to] = division.step(step);
+        let (mut step, mut from, mut stops) = (0, 0, false);
+        while from < parts {
+            let undivided = step + (parts - from).div_ceil(of_step);
+            if !stops && step > 0 && undivided < count && budget.ends_with_next(work.mean()) {
+                (stops, count) = (true, undivided);
+                course.stop();
+            }
+            let to = match stops {
+                true => ((from / of_step + 1) * of_step).min(parts),
+                false => division.step(step)[1],
+            };
             let h = part * f64::from(to - from);
             course.advance(
                 &self.tools,
@@ -433,6 +449,7 @@ impl Scene {
                 let (body, what) = match stepped {
                     Ok((report, grown)) if state.is_finite() => {
                         budget.spend(report.work);
+                        work.add(index, report.work, report.iterations);
                         solver.add(&report);
                         stiffer[index] |= grown;
                         let mut works = vec![Work::default(); group.members.len()];
@@ -469,7 +486,9 @@ impl Scene {
                 return Err(Failure { body, step, what });
             }
             course.finish_step(&self.tools);
+            (step, from) = (step + 1, to);
         }
+        budget.expect(work.mean());
         for (group, state) in self.groups.iter().zip(joined) {
             group.split(state, &self.bodies, &mut self.state.bodies);
         }

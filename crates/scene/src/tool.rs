@@ -32,6 +32,19 @@ impl ToolMotion {
             && self.opening_from.is_finite()
             && self.opening_to.is_finite()
     }
+
+    /// Its first part, the fraction `reach` of it, 0..1; at 1 the same to the bit.
+    pub(crate) fn first_part(&self, reach: f64) -> Self {
+        if reach >= 1.0 {
+            return *self;
+        }
+        let opened = self.opening_to - self.opening_from;
+        Self {
+            to: self.from.interpolate(&self.to, reach),
+            opening_to: self.opening_from + opened * reach,
+            ..*self
+        }
+    }
 }
 
 /// A checked tool.
