@@ -43,6 +43,7 @@ use nalgebra::Vector3;
 ///     forces: &[Vector3::z() * -0.3],
 ///     fixed: &[false],
 ///     tolerances: Tolerances { residual: 1e-9, changes: 1e-9, multipliers: 1e-9 },
+///     most_operations: f64::INFINITY,
 /// };
 /// AugmentedLagrangian::new(1, options).solve(&mut contacts, response, &mut displacement)?;
 /// contacts.publish();
@@ -74,6 +75,11 @@ impl AugmentedLagrangian {
             reduced: Reduced::new(options),
         }
     }
+
+    /// Pairs of an addition and a multiplication in the problems of contacts among themselves since this was asked for last.
+    pub fn take_operations(&mut self) -> f64 {
+        std::mem::take(&mut self.reduced.operations)
+    }
 }
 
 impl ContactSolver<SystemResponse<'_>> for AugmentedLagrangian {
@@ -90,6 +96,7 @@ impl ContactSolver<SystemResponse<'_>> for AugmentedLagrangian {
             forces,
             fixed,
             tolerances,
+            most_operations,
         } = response;
         let direction = motion;
         let (contacts, rows, edge) = contacts.parts();
@@ -113,6 +120,7 @@ impl ContactSolver<SystemResponse<'_>> for AugmentedLagrangian {
         let most = reduced.solve(
             (contacts, &mut *rows, edge),
             (&mut *system, fixed, tolerances),
+            most_operations,
             scale,
             [&mut *left, &mut *inner, &mut *product],
             direction,
@@ -130,7 +138,8 @@ impl ContactSolver<SystemResponse<'_>> for AugmentedLagrangian {
                 // What is left at the start may be little against all forces, and still all that a small load is to move.
                 enough = rough.max(tolerance) / tolerance * allowed;
                 enough = enough.min(most.unwrap_or(f64::INFINITY));
-                if missing <= enough && (!first || missing == 0.0) {
+                let is_spent = system.operations() + reduced.operations >= most_operations;
+                if (missing <= enough || is_spent) && (!first || missing == 0.0) {
                     break;
                 }
                 let goal = if first { allowed } else { enough };
@@ -173,7 +182,7 @@ impl ContactSolver<SystemResponse<'_>> for AugmentedLagrangian {
                     *row = row.updated(contact, &y).0;
                 }
             }
-            if done {
+            if done || system.operations() + reduced.operations >= most_operations {
                 break;
             }
         }

@@ -52,6 +52,7 @@ const USUAL_FACTORS: f64 = 24.0;
 ///     forces: &[Vector3::new(0.2, 0.0, -0.3)],
 ///     fixed: &[false],
 ///     tolerances: Tolerances { residual: 1e-9, changes: 1e-9, multipliers: 1e-9 },
+///     most_operations: f64::INFINITY,
 /// };
 /// InteriorPoint::new(1, InteriorPointOptions::default()).solve(&mut contacts, response, &mut displacement)?;
 /// contacts.publish();

@@ -110,6 +110,11 @@ impl LinearSystem for NodalSystem {
         true
     }
 
+    /// None: they are not counted.
+    fn operations(&self) -> f64 {
+        0.0
+    }
+
     fn multiply(&self, p: &[Vector3<f64>], q: &mut [Vector3<f64>]) {
         for ((q, p), block) in q.iter_mut().zip(p).zip(&self.blocks) {
             *q = block * p;

@@ -63,6 +63,9 @@ pub trait LinearSystem {
         tolerance: f64,
     ) -> Result<(), NotPositive>;
 
+    /// Pairs of an addition and a multiplication so far: a count that only grows during a solution, by which solvers bound their work.
+    fn operations(&self) -> f64;
+
     /// Sets `operator`, row after row, to the Delassus operator J K⁻¹ Jᵀ \[m/N\] of these rows of J, to the accuracy of the factor. Returns
     /// whether there is a factor; without one nothing is done.
     fn set_delassus(&mut self, rows: &[[(u32, Vector3<f64>); 4]], operator: &mut Vec<f64>) -> bool;
@@ -78,6 +81,8 @@ pub struct SystemResponse<'a> {
     pub fixed: &'a [bool],
     /// When the solution is accurate enough.
     pub tolerances: Tolerances,
+    /// Operations of the system and the solver, beyond which a solver that iterates ends with the accuracy that it has.
+    pub most_operations: f64,
 }
 
 /// When the solution of a linearised step is accurate enough.

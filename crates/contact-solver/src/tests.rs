@@ -43,7 +43,21 @@ fn contacts() -> Vec<Contact> {
 /// Contacts and displacements \[m\].
 type Solution = (Vec<Contact>, Vec<Vector3<f64>>);
 
-fn implicit<S>(mut solver: S, mut system: impl LinearSystem) -> Solution
+fn implicit<S>(mut solver: S, system: impl LinearSystem) -> Solution
+where
+    S: for<'a> ContactSolver<SystemResponse<'a>, Contacts = ContactSet>,
+{
+    // Coulomb's friction is that of the normal forces of the iteration before.
+    iterate(&mut solver, system, 4, f64::INFINITY)
+}
+
+/// So many iterations of Newton's method, each with at most so many operations.
+fn iterate<S>(
+    solver: &mut S,
+    mut system: impl LinearSystem,
+    iterations: u32,
+    most_operations: f64,
+) -> Solution
 where
     S: for<'a> ContactSolver<SystemResponse<'a>, Contacts = ContactSet>,
 {
@@ -51,8 +65,7 @@ where
     let mut set = ContactSet::new(3, 1e-2, ContactOptions::default().augmented_lagrangian);
     let mut motion = rest.to_vec();
     set.contacts = contacts();
-    // Coulomb's friction is that of the normal forces of the iteration before.
-    for _ in 0..4 {
+    for _ in 0..iterations {
         set.linearise(&rest, &rest, false, |node| STIFFNESSES[node]);
         motion.fill(Vector3::zeros());
         let response = SystemResponse {
@@ -64,6 +77,7 @@ where
                 changes: 1e-10,
                 multipliers: 1e-10,
             },
+            most_operations,
         };
         solver.solve(&mut set, response, &mut motion).unwrap();
         set.publish();
@@ -129,6 +143,10 @@ fn all_solvers_find_the_closed_form() {
 struct Misjudged(NodalSystem, f64);
 
 impl LinearSystem for Misjudged {
+    fn operations(&self) -> f64 {
+        self.0.operations()
+    }
+
     fn is_small(&self) -> bool {
         self.0.is_small()
     }
@@ -161,6 +179,26 @@ impl LinearSystem for Misjudged {
     }
 }
 
+/// A solution that has no operations left takes fewer than a whole one, and further iterations come to the same forces.
+#[test]
+fn what_is_cut_short_converges_in_more_iterations() {
+    let options = ContactOptions::default().augmented_lagrangian;
+    let operations = |iterations: u32, most: f64| {
+        let mut solver = AugmentedLagrangian::new(3, options);
+        let solution = iterate(&mut solver, nodal(), iterations, most);
+        (solver.take_operations(), solution)
+    };
+    let (whole, (expected, _)) = operations(4, f64::INFINITY);
+    let (one, _) = operations(1, f64::INFINITY);
+    let (cut, _) = operations(1, 0.0);
+    assert!(cut < one && one < whole, "{cut}, {one}, {whole}");
+    let (_, (contacts, _)) = operations(100, 0.0);
+    for (contact, expected) in contacts.iter().zip(&expected) {
+        let error = (contact.force() - expected.force()).norm();
+        assert!(error < 1e-8, "{error} N");
+    }
+}
+
 /// A round that does not descend is dropped, and leaves all as it was: displacements, what is left of the forces, multipliers. Responses of the wrong sign, and none at
 /// all, give such rounds; the right one does not.
 #[test]
@@ -188,6 +226,7 @@ fn a_round_that_does_not_descend_changes_nothing() {
         let most = Reduced::new(options).solve(
             set.parts(),
             (&mut system, &[false; 3], tolerances),
+            f64::INFINITY,
             norm_of_free(&forces, &[false; 3]),
             [&mut left, &mut inner, &mut product],
             &mut motion,
@@ -257,6 +296,7 @@ fn the_contacts_that_press_most_take_part_where_there_is_no_room_for_all() {
             changes: 1e-10,
             multipliers: 1e-10,
         },
+        most_operations: f64::INFINITY,
     };
     let few = InteriorPointOptions {
         directions: 6,

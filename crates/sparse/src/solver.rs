@@ -293,6 +293,11 @@ impl LinearSolver {
         std::mem::take(&mut self.operations)
     }
 
+    /// As many so far, without beginning anew.
+    pub fn operations(&self) -> f64 {
+        self.operations
+    }
+
     /// Operations of taking over a matrix for the first method.
     pub fn factor_operations(&self, pattern: &Pattern) -> f64 {
         match (self.first, self.symbolic.get()) {

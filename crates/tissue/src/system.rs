@@ -168,6 +168,10 @@ impl LinearSystem for System {
         true
     }
 
+    fn operations(&self) -> f64 {
+        self.solver.operations()
+    }
+
     fn multiply(&self, p: &[Vector3<f64>], q: &mut [Vector3<f64>]) {
         self.matrix.multiply(p, q);
     }

@@ -2,8 +2,7 @@
 //!
 //! No clock is read, so the same run has the same work on every machine, and what is bounded by it replays to the bit. The numbers were
 //! measured on one core (AMD EPYC, `perf`) with the levels that ship; they are right to a factor of two, which laws and discretisations
-//! differ by. Of the augmented Lagrangian method the solutions of linear systems count, not its reduced problem and searches: what is
-//! counted of a step that is repeated is too little.
+//! differ by. Of the augmented Lagrangian method the solutions of linear systems and the steps of its reduced problem count, not its searches.
 
 use crate::model::TissueModel;
 

@@ -165,7 +165,7 @@ impl NewtonSolver {
         // holds no contact, as those are others now.
         self.retains_matrix |= self.has_bare_factor && self.takes_interior_point();
         self.factorise(&problem, Tangent::Positive)
-            .and_then(|()| self.solve_contacts(fixed, tolerances))
+            .and_then(|()| self.solve_contacts(fixed, tolerances, f64::INFINITY))
             .map_err(|failure| self.why_not_positive(failure))?;
         for (x, d) in self.trial.positions.iter_mut().zip(&self.direction) {
             *x += d;

@@ -5,6 +5,7 @@ use super::workspace::NewtonSolver;
 use crate::elements::Tangent;
 use crate::solver::StepFailure;
 use crate::system::MatrixCoefficients;
+use crate::work;
 use microsim_contact_solver::{
     ContactSet, ContactSolver, LinearSystem, SystemResponse, Tolerances,
 };
@@ -63,7 +64,8 @@ impl NewtonSolver {
         tolerances: Tolerances,
     ) -> Result<(), NotPositive> {
         if !self.contacts.is_empty() {
-            self.solve_contacts(fixed, tolerances)?;
+            let most = (self.allowed_work - self.work - self.element_work) / work::OPERATION;
+            self.solve_contacts(fixed, tolerances, most)?;
             // Multipliers have changed.
             self.add_contacts(fixed);
             return Ok(());
@@ -82,11 +84,13 @@ impl NewtonSolver {
         self.system.solve(&mut self.direction, tolerances.residual)
     }
 
-    /// Adds to the direction what is missing of it for the forces `others` and contact, and updates the contacts.
+    /// Adds to the direction what is missing of it for the forces `others` and contact, and updates the contacts, with about as many operations since
+    /// [`forget_operations`](Self::forget_operations) or [`count_iteration`](Self::count_iteration).
     pub(super) fn solve_contacts(
         &mut self,
         fixed: &[bool],
         tolerances: Tolerances,
+        most_operations: f64,
     ) -> Result<(), NotPositive> {
         let early = self.takes_interior_point();
         let solver: &mut dyn ContactSolver<SystemResponse<'_>, Contacts = ContactSet> = match early
@@ -99,6 +103,7 @@ impl NewtonSolver {
             forces: &self.others,
             fixed,
             tolerances,
+            most_operations,
         };
         solver.solve(&mut self.contacts, response, &mut self.direction)
     }

@@ -41,6 +41,10 @@ impl NewtonSolver {
         self.backtracks = 0;
         self.forget_operations();
         self.work = 0.0;
+        self.allowed_work = match newton.must_converge {
+            true => f64::INFINITY,
+            false => self.most_work,
+        };
         self.contacts.failures = 0;
         // What is repeated with more effort takes the other contact solver, as what one of them cannot compute the other often can.
         self.contacts.prefers_interior_point =
@@ -75,8 +79,7 @@ impl NewtonSolver {
         let most = newton.iterations.saturating_mul(self.effort);
         while report.iterations < most || self.needs_more(most, report.iterations) {
             // What must converge fails if it is cut short, and takes more in the end.
-            let may_end = report.iterations > 0 && !newton.must_converge;
-            if may_end && self.work >= self.most_work {
+            if report.iterations > 0 && self.work >= self.allowed_work {
                 report.is_cut_short = true;
                 break;
             }

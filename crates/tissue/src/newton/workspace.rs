@@ -20,6 +20,8 @@ pub(crate) struct NewtonSolver {
     pub effort: u32,
     /// The work that an equation may take \[s\]: beyond it no further iteration begins, unless it must converge.
     pub most_work: f64,
+    /// What the present one may take \[s\]: any where it must converge.
+    pub(super) allowed_work: f64,
     /// What the present one has taken \[s\].
     pub(super) work: f64,
     /// What the elements take in an iteration \[s\].
@@ -93,6 +95,7 @@ impl NewtonSolver {
             options: *options,
             effort: 1,
             most_work: f64::INFINITY,
+            allowed_work: f64::INFINITY,
             work: 0.0,
             element_work: work::of_iteration(model),
             stiffness: rest_stiffness(model),
@@ -148,13 +151,18 @@ impl NewtonSolver {
 
     /// What a failed iteration or the undoing of overlaps has left is none of this equation: its work depends on the state alone.
     pub(super) fn forget_operations(&mut self) {
-        self.system.take_operations();
-        self.interior_point.take_operations();
+        self.take_operations();
+    }
+
+    fn take_operations(&mut self) -> f64 {
+        self.system.take_operations()
+            + self.interior_point.take_operations()
+            + self.augmented_lagrangian.take_operations()
     }
 
     /// Adds what an iteration has taken.
     pub(super) fn count_iteration(&mut self) {
-        let operations = self.system.take_operations() + self.interior_point.take_operations();
+        let operations = self.take_operations();
         self.work += self.element_work + work::OPERATION * operations;
     }
 
