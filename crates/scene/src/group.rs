@@ -12,7 +12,7 @@ use crate::stretch_guard::StretchGuard;
 use crate::surface_edits::SurfaceDiff;
 use microsim_contact::{BroadPhaseMethod, CapsuleMotion, ObstaclePart};
 use microsim_tissue::{
-    Control, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
+    Control, Effort, Method, NodeTarget, Pressure, Solver, State, StepFailure, TissueModel,
 };
 use nalgebra::Vector3;
 
@@ -198,9 +198,9 @@ impl Group {
         self.solver.least_work(self.model(bodies), contacts)
     }
 
-    /// How much work steps may take ([`Solver::set_effort`](microsim_tissue::Solver::set_effort)).
-    pub fn set_effort(&mut self, multiple: u32) {
-        self.solver.set_effort(multiple);
+    /// How much effort steps take ([`Solver::set_effort`](microsim_tissue::Solver::set_effort)).
+    pub fn set_effort(&mut self, effort: Effort) {
+        self.solver.set_effort(effort);
     }
 
     /// The longest step at rest, that of its stiffest body \[s\].

@@ -18,7 +18,7 @@ use crate::stretch_guard::StretchGuard;
 use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
 use microsim_contact::CapsuleMotion;
-use microsim_tissue::{ContactStep, Executor, State, StepFailure, StepReport, flow};
+use microsim_tissue::{ContactStep, Effort, Executor, State, StepFailure, StepReport, flow};
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
@@ -67,7 +67,7 @@ impl Scene {
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
     /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help it is computed with the tools where they were, and else with tools that touch nothing, and when that does not either the
     /// scene stays at the start of the tick, without shreds that ruptured meanwhile, and the error describes what happened; the next tick may go on from there. A tick whose forces
-    /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, four times the iterations and, of implicit methods, the augmented Lagrangian method of contact, and not [`valid`](TickReport::valid) if
+    /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, four times the iterations and, where the interior-point method has found no forces, the augmented Lagrangian method of contact, and not [`valid`](TickReport::valid) if
     /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
     ///
     /// ```
@@ -167,7 +167,8 @@ impl Scene {
             (true, false) => MAX_ROUNDS,
             (true, true) => 1,
         };
-        let effort_of = |index: usize| if index == 0 { 1 } else { REPEATED_EFFORT };
+        // What one method of contact cannot compute another one often can.
+        let mut augmented_lagrangian = false;
         let count_of = |index: usize, division: &Division, steps: u32| match tries[index] {
             Try::Follow(factor) => division.count().saturating_mul(factor),
             Try::Stand | Try::LetGo => steps,
@@ -175,9 +176,16 @@ impl Scene {
         let mut index = 0;
         while let Some(&this) = tries.get(index) {
             let count = count_of(index, &division, steps);
-            let (effort, pace) = match this {
-                Try::Follow(_) => (effort_of(index), pace),
-                Try::Stand | Try::LetGo => (1, 0.0),
+            let pace = match this {
+                Try::Follow(_) => pace,
+                Try::Stand | Try::LetGo => 0.0,
+            };
+            let effort = match this {
+                Try::Follow(_) if index > 0 => Effort {
+                    iterations: REPEATED_EFFORT,
+                    augmented_lagrangian,
+                },
+                _ => Effort::default(),
             };
             let groups = self.groups.iter_mut();
             groups.for_each(|group| group.set_effort(effort));
@@ -218,6 +226,7 @@ impl Scene {
                     let is_last = valid || doubted || index + 1 >= follows;
                     if !is_last && budget.allows(count_of(index + 1, &division, steps)) {
                         doubted = true;
+                        augmented_lagrangian = solver.contact_failures > 0;
                         repetitions += 1;
                         self.state.clone_from(&start);
                         self.forget(&jumped);

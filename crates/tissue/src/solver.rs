@@ -7,6 +7,26 @@ use crate::work;
 use microsim_contact_solver::ContactStep;
 use std::fmt::Debug;
 
+/// How much effort steps take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Multiple of the iterations of the method.
+    pub iterations: u32,
+    /// Whether contacts of an early-terminated step take the augmented Lagrangian method, as what the interior-point method cannot compute this one often
+    /// can; such a step does not end for stagnation either.
+    pub augmented_lagrangian: bool,
+}
+
+impl Default for Effort {
+    /// What is usual.
+    fn default() -> Self {
+        Self {
+            iterations: 1,
+            augmented_lagrangian: false,
+        }
+    }
+}
+
 /// Advances a body by one step.
 ///
 /// A solver holds working memory for one model and nothing that evolves: from equal states come equal bits, whatever was
@@ -81,10 +101,9 @@ pub trait Solver: Debug + Send {
     /// system, in a time in proportion to the body: some milliseconds for 3,000 tetrahedra.
     fn follow(&mut self, model: &TissueModel);
 
-    /// How much work the steps from now on may take, as a multiple of the iterations of the method. Above 1 contacts of an
-    /// early-terminated step take the augmented Lagrangian method, and it does not end for stagnation. Of no effect on a method without iterations.
-    fn set_effort(&mut self, multiple: u32) {
-        let _ = multiple;
+    /// How much effort the steps from now on take. Of no effect on a method without iterations.
+    fn set_effort(&mut self, effort: Effort) {
+        let _ = effort;
     }
 
     /// The work that a step may take from now on \[s\], by the count of its operations and not by a clock: an equation begins no further iteration

@@ -54,7 +54,7 @@ use crate::newton::{
     Equation, EquationContact, Newton, NewtonOptions, NewtonSolver, SlipReference,
 };
 use crate::prescribed::Prescribed;
-use crate::solver::{Solver, StepFailure, StepReport};
+use crate::solver::{Effort, Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
 use microsim_contact_solver::{Contact, ContactStep};
 use nalgebra::Vector3;
@@ -484,8 +484,8 @@ impl Solver for SolverImplicit {
         *self = Self::with_solver(model, self.scheme, self.newton, self.distortion, solver);
     }
 
-    fn set_effort(&mut self, multiple: u32) {
-        self.solver.effort = multiple;
+    fn set_effort(&mut self, effort: Effort) {
+        self.solver.effort = effort;
     }
 
     fn limit_work(&mut self, most: f64) {

@@ -361,3 +361,46 @@ fn a_fast_tool_is_followed_within_the_budget() {
     assert_eq!(placement(&scene).pose, place(-1e-3));
     assert!(ticks > 1);
 }
+
+/// Tools that are slowed down to a quarter take the sub-steps of a quarter of the way.
+#[test]
+fn a_slowed_tool_takes_substeps_for_its_part_of_the_way() {
+    let substeps = |pace: f64, way: f64| {
+        let mut scene = Scene::new(&gripped()).unwrap();
+        scene.state.placements.pace = pace;
+        let mut motion = at(1e-3, [0.6; 2]);
+        motion.to = at(1e-3 - way, [0.6; 2]).to;
+        scene.tick(&[motion], TICK, 1, &Serial).unwrap().substeps
+    };
+    let (whole, quarter) = (substeps(1.0, 4e-3), substeps(0.25, 4e-3));
+    assert!(whole > quarter, "{whole}, {quarter}");
+    assert_eq!(quarter, substeps(1.0, 1e-3));
+}
+
+/// Sub-steps are planned by what an iteration takes without contact. Jaws that are pushed over the block meet so many contacts on the way that iterations take more: they stop
+/// where only two more fit in the first half of the budget, and the rest of the tick is one step.
+#[test]
+fn tools_stop_where_the_work_exceeds_the_budget() {
+    const WORK: f64 = 4e-3;
+    let mut spec = gripped();
+    spec.budget = Some(WORK / TICK);
+    let mut scene = Scene::new(&spec).unwrap();
+    let [start, end] = [1.5e-3, -1e-3];
+    let motion = ToolMotion {
+        to: at(end, [0.18; 2]).to,
+        ..at(start, [0.18; 2])
+    };
+    let report = scene.tick(&[motion], TICK, 1, &Serial).unwrap();
+    assert!(report.over_budget && report.work <= WORK, "{report:?}");
+    let (steps, substeps) = (report.solver.steps, report.substeps);
+    assert!(1 < steps && steps < substeps, "{steps} of {substeps}");
+    // All steps but the last one were on the way.
+    let placement = scene.state.placements.tools[0].unwrap();
+    let reached = (start - placement.pose.position.y) / (start - end);
+    let planned = f64::from(steps - 1) / f64::from(substeps);
+    assert!(
+        reached > 0.0 && reached <= planned,
+        "{reached} of {planned}"
+    );
+    assert!(!placement.is_free);
+}

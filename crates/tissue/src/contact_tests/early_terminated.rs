@@ -1,6 +1,7 @@
 //! Steps of time that need not converge, of bodies so small that the interior-point method solves the contacts: a free block in a grip.
 
 use super::*;
+use crate::solver::Effort;
 
 /// A friction that holds the piece, and one that does not: twice the grip of 19 mN, times friction, is 150 and 0.6 times the weight.
 const FRICTION: f64 = 0.5;
@@ -67,12 +68,16 @@ fn grip(newton: Newton, friction: f64, h: f64, mut each: impl FnMut(&Vector3<f64
     }
 }
 
-/// Three times the effort of two iterations are as many as six; but the contacts are solved by the other method, which grips as hard to the digits of such steps. With the usual
-/// effort it is the first one again, to the bit.
+/// Three times the effort of two iterations are as many as six, to the bit. By the augmented Lagrangian method contacts grip as hard, to the digits of such steps; with the usual
+/// effort it is the interior-point method again, to the bit.
 #[test]
-fn with_more_effort_contacts_take_the_other_method() {
+fn contacts_take_the_method_that_is_asked_for() {
     let h = STEPS[1];
-    let of = |iterations, efforts: &[u32]| {
+    let effort = |iterations, augmented_lagrangian| Effort {
+        iterations,
+        augmented_lagrangian,
+    };
+    let of = |iterations, efforts: &[Effort]| {
         let newton = Newton {
             iterations,
             ..early()
@@ -86,11 +91,16 @@ fn with_more_effort_contacts_take_the_other_method() {
         }
         world
     };
-    let (once, more) = (of(6, &[1]), of(2, &[3]));
-    assert_ne!(once.state, more.state);
-    let [one, other] = [&once, &more].map(squeeze);
+    let once = of(6, &[Effort::default()]);
+    assert_eq!(of(2, &[effort(3, false)]).state, once.state);
+    let other = of(2, &[effort(3, true)]);
+    assert_ne!(once.state, other.state);
+    let [one, other] = [&once, &other].map(squeeze);
     assert!((one - other).abs() <= DIGITS * one, "{one} N, {other} N");
-    assert_eq!(of(6, &[3, 1]).state, once.state);
+    assert_eq!(
+        of(6, &[effort(3, true), Effort::default()]).state,
+        once.state
+    );
 }
 
 /// The force with which both jaws press against each other \[N\].

@@ -46,9 +46,8 @@ impl NewtonSolver {
             false => self.most_work,
         };
         self.contacts.failures = 0;
-        // What is repeated with more effort takes the other contact solver, as what one of them cannot compute the other often can.
         self.contacts.prefers_interior_point =
-            equation.rate > 0.0 && !newton.must_converge && self.effort == 1;
+            equation.rate > 0.0 && !newton.must_converge && !self.effort.augmented_lagrangian;
         self.find(&problem, contact.as_mut());
         let tolerances = Tolerances {
             residual: newton.tolerance,
@@ -76,7 +75,7 @@ impl NewtonSolver {
         report.converged = false;
         let mut tangent = Tangent::Exact;
         let (mut least, mut stagnated) = (f64::INFINITY, 0);
-        let most = newton.iterations.saturating_mul(self.effort);
+        let most = newton.iterations.saturating_mul(self.effort.iterations);
         while report.iterations < most || self.needs_more(most, report.iterations) {
             // What must converge fails if it is cut short, and takes more in the end.
             if report.iterations > 0 && self.work >= self.allowed_work {

@@ -4,6 +4,7 @@ use super::known_forces::KnownForces;
 use super::options::NewtonOptions;
 use crate::components::rigid_components;
 use crate::model::TissueModel;
+use crate::solver::Effort;
 use crate::state::State;
 use crate::system::System;
 use crate::work;
@@ -16,8 +17,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub(crate) struct NewtonSolver {
     pub(super) options: NewtonOptions,
-    /// Multiple of the iterations that an equation may take.
-    pub effort: u32,
+    /// What an equation may take.
+    pub effort: Effort,
     /// The work that an equation may take \[s\]: beyond it no further iteration begins, unless it must converge.
     pub most_work: f64,
     /// What the present one may take \[s\]: any where it must converge.
@@ -93,7 +94,7 @@ impl NewtonSolver {
         let edge = model.mean_edge_length();
         Self {
             options: *options,
-            effort: 1,
+            effort: Effort::default(),
             most_work: f64::INFINITY,
             allowed_work: f64::INFINITY,
             work: 0.0,

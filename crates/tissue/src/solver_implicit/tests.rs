@@ -68,12 +68,15 @@ fn effort_is_a_multiple_of_the_iterations() {
     let (once, thrice) = (step(&mut new(1)), step(&mut new(3)));
     assert_eq!((once.0, thrice.0), (1, 3));
     let mut solver = new(1);
-    solver.set_effort(3);
+    solver.set_effort(Effort {
+        iterations: 3,
+        ..Effort::default()
+    });
     assert_eq!(step(&mut solver), thrice);
     // Also with the model after elements have slid.
     solver.follow(&model);
     assert_eq!(step(&mut solver), thrice);
-    solver.set_effort(1);
+    solver.set_effort(Effort::default());
     assert_eq!(step(&mut solver), once);
 }
 
