@@ -56,6 +56,11 @@ pub const BENCHES: &[Program] = &[
         shows: "CPU time per picture of 16 ms of each level, shares of the plugins",
     },
     Program {
+        name: "levels",
+        example: "bench_levels",
+        shows: "levels with vessels: CPU time per picture, of the script and of trainees",
+    },
+    Program {
         name: "cut-error",
         example: "bench_cut_error",
         shows: "what the mesh adds to angle and place of a cut, on other meshes; their cost",
