@@ -79,11 +79,12 @@ impl Runs {
         let tick_s = report_beside(&session)["session"]["tick_s"].as_f64();
         let tick_s = tick_s.ok_or("the report has no session.tick_s")?;
         let of_picture = (PICTURE / tick_s).round().max(1.0);
-        let pictures = ticks.chunks(of_picture as usize);
+        let pictures = ticks.chunks_exact(of_picture as usize);
         self.pictures
             .extend(pictures.map(|of| of.iter().sum::<f64>()));
         self.count += 1;
-        self.no_verdict += u32::from(run["verdict"] == "not-judged");
+        let verdict = run["verdict"].as_str().ok_or("the result has no verdict")?;
+        self.no_verdict += u32::from(verdict == "not-judged");
         self.ticks += ticks.len() as u64;
         self.unconverged += solver("unconverged")?;
         self.invalid += solver("invalid")?;
@@ -146,10 +147,10 @@ fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
         .map(|(stage, _)| (stage.module, stage.level.number))
         .filter(|(module, _)| modules.contains(module))
         .collect();
-    if levels.is_empty() {
-        return Err(format!(
-            "no module of {modules:?} has a level with a script that passes"
-        ));
+    for module in modules {
+        if !levels.iter().any(|(of, _)| of == module) {
+            return Err(format!("no level of {module} has a script that passes"));
+        }
     }
     let mut beyond = Vec::new();
     for (module, level) in levels {

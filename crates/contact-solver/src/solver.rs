@@ -81,7 +81,8 @@ pub struct SystemResponse<'a> {
     pub fixed: &'a [bool],
     /// When the solution is accurate enough.
     pub tolerances: Tolerances,
-    /// Operations of the system and the solver, beyond which a solver that iterates ends with the accuracy that it has.
+    /// Operations of the system and the solver, beyond which the augmented Lagrangian method ends with the accuracy that it has. The interior-point method has few
+    /// rounds and takes no heed of it.
     pub most_operations: f64,
 }
 

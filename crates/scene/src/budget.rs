@@ -2,8 +2,8 @@
 //!
 //! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
 //! four fifths of the first half, each step has an even part of what is left of it, and a repetition has the other half too and begins only where its least work fits. Where iterations take more than
-//! was foreseen, as contacts become many on the way, the tools stop when only two more fit, and the rest of the tick is one step. What has to be computed in any
-//! case is computed: an iteration of that step, whatever contact makes of it, and the tries with tools that stand. By so much a tick may exceed its budget.
+//! was foreseen, as contacts become many in the motion, the tools stop before what is left of the solver's steps, with an iteration each, would not fit any more, and each of these is made undivided. What has to be computed in any
+//! case is computed: an iteration of each of these, whatever contact makes of it, and the tries with tools that stand. By so much a tick may exceed its budget.
 
 /// The part of a budget that is left for repetitions of a tick whose forces mean nothing: without it they would mean nothing in every tick that is hard to solve.
 const RESERVE: f64 = 0.5;
@@ -66,14 +66,14 @@ impl Budget {
         (self.left - self.reserve).max(0.0) / f64::from(steps)
     }
 
-    /// Whether a try whose iterations take so much \[s\] is to end with the next one.
-    pub fn ends_with_next(&mut self, iteration: f64) -> bool {
-        let ends = self.left - self.reserve < 2.0 * iteration;
+    /// Whether so many undivided steps would no longer fit after one more iteration, if each takes so much \[s\].
+    pub fn leaves_no_more(&mut self, undivided: u32, iteration: f64) -> bool {
+        let ends = self.left - self.reserve < f64::from(undivided + 1) * iteration;
         self.is_exceeded |= ends;
         ends
     }
 
-    /// Steps take at least as much as an iteration has taken on average \[s\].
+    /// Steps of a repetition take at least as much as an iteration has taken on average \[s\] in a try that came to its end.
     pub fn expect(&mut self, iteration: f64) {
         self.step = self.step.max(iteration);
     }
@@ -145,18 +145,19 @@ mod tests {
         assert!(fast.is_exceeded);
         // At least one, however little there is.
         assert_eq!(Budget::new(Some(0.1), 1.0).substeps(2.0, 1), (1, 0.5));
-        // Half of it is reserved for a repetition, of which two iterations of 3 s no longer fit after 11 s of a first try.
+        // Half of it is reserved for a repetition: after 11 s of a first try an iteration and an undivided step of 3 s each no longer fit, after 10 s an iteration and two of these.
         let mut late = Budget::new(Some(32.0), 1.0);
         late.spend(10.0);
-        assert!(!late.ends_with_next(3.0) && !late.is_exceeded);
+        assert!(!late.leaves_no_more(1, 3.0) && !late.is_exceeded);
+        assert!(late.clone().leaves_no_more(2, 3.0));
         late.spend(1.0);
-        assert!(late.ends_with_next(3.0) && late.is_exceeded);
+        assert!(late.leaves_no_more(1, 3.0) && late.is_exceeded);
         late.expect(3.0);
         assert!(late.allows(7) && !late.allows(8));
         let mut any = Budget::new(None, 1.0);
         assert_eq!(any.substeps(256.0, 1), (256, 1.0));
         assert!(any.allows(u32::MAX) && any.part(9) == f64::INFINITY);
-        assert!(!any.ends_with_next(1e9) && !any.is_exceeded);
+        assert!(!any.leaves_no_more(9, 1e9) && !any.is_exceeded);
     }
 
     #[test]

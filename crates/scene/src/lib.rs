@@ -59,6 +59,7 @@
 
 #![forbid(unsafe_code)]
 
+mod attempt;
 mod body;
 mod box_grip;
 mod budget;

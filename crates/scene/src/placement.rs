@@ -1,6 +1,6 @@
 //! Where tools are: between where a hand holds them and where what they touch lets them be.
 //!
-//! A tracked pose and opening are a target, not a wall. Four causes keep a tool from it:
+//! A tracked pose and opening are a target, not a wall. Five causes keep a tool from it:
 //!
 //! - **Jaws bend.** Opening q, its target T and the moment Q of the contact forces on the jaws, per unit of opening, are in equilibrium,
 //!   k (q − T) = Q, with the stiffness k of both jaws. The solver has the jaws at rest in a step; the moment of the next one is
@@ -12,6 +12,8 @@
 //! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
 //!   tools that touch nothing. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
 //!   Only methods with inertia do so; a quasi-static tick that diverges is left at its start.
+//! - **What does not fit in the work of a tick waits.** A tool that is too fast for it makes only a part of its motion, and one whose steps take more than was foreseen
+//!   stops in it ([`budget`](crate::budget)); the next tick goes on from there.
 //!
 //! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand yields
 //! along its force and does not turn; where a single step closes on something rigid, its force shows before the hand has yielded.

@@ -13,7 +13,7 @@ pub struct TickReport {
     pub cuts: Vec<CutReport>,
     /// Cuts that could not be made: the body is as it was.
     pub rejected: Vec<RejectedCut>,
-    /// By how much the solver's step was divided so that no tool moves too far in one: 1 when it was not.
+    /// By how much the solver's step was to be divided so that no tool moves too far in one: 1 when it was not.
     pub substeps: u32,
     /// Whether a tool was so fast that it took more than [`MANY_SUBSTEPS`].
     pub many_substeps: bool,

@@ -1,25 +1,16 @@
-//! One tick: sub-steps, contact, solver, containment.
+//! One tick: how it is divided, the tries that it takes, and what is reported of the one that counts.
 
-use crate::body::Body;
-use crate::budget::{Budget, IterationWork};
-use crate::containment::{self, Failure, Watch};
+use crate::attempt::Attempted;
+use crate::budget::Budget;
 use crate::cut_report::CutReport;
 use crate::cutting::TornBodies;
-use crate::divergence::{Diverged, Divergence};
+use crate::divergence::Diverged;
 use crate::division::Division;
-use crate::group::Group;
-use crate::group_contact::ContactState;
-use crate::jet::Jet;
-use crate::lonor::EdgeLoads;
 use crate::placement::Course;
-use crate::report::{ContactReport, MANY_SUBSTEPS, Recovery, SolverReport, TickReport};
+use crate::report::{MANY_SUBSTEPS, Recovery, TickReport};
 use crate::scene::Scene;
-use crate::stretch_guard::StretchGuard;
-use crate::tally::{Tally, Work, sum_up};
 use crate::tool::ToolMotion;
-use microsim_contact::CapsuleMotion;
-use microsim_tissue::{ContactStep, Effort, Executor, State, StepFailure, StepReport, flow};
-use nalgebra::Vector3;
+use microsim_tissue::{Effort, Executor};
 use std::collections::BTreeSet;
 
 /// How a tick is tried.
@@ -46,20 +37,8 @@ const TRIES: [Try; 6] = [
 /// The steps of a repeated tick may take so many times the iterations of the method.
 const REPEATED_EFFORT: u32 = 4;
 
-/// Work of a point of contact in a step \[s\]: finding it, and in explicit steps its forces.
-const POINT: f64 = 2e-6;
-
 /// How often a tick whose forces mean nothing is computed again without the shreds that fail in it.
 const MAX_ROUNDS: u32 = 4;
-
-/// What came of a try.
-struct Attempted {
-    contacts: Vec<ContactReport>,
-    loads: EdgeLoads,
-    solver: SolverReport,
-    /// Of each body with any, ids of nodes.
-    overlaps_undone: Vec<(usize, Vec<u32>)>,
-}
 
 impl Scene {
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
@@ -125,7 +104,7 @@ impl Scene {
         let (mut motions, invalid_motions) = self.valid_motions(motions);
         self.state.placements.resume(&mut motions);
         let (needed, jumped) = self.substeps(&mut motions, tick_s, steps);
-        // Instruments that are slowed down go only a part of the way.
+        // instruments that are slowed down make only a part of their motion.
         let slowed = self.state.placements.pace;
         let needed = (slowed * needed).max(1.0);
         let parts: Vec<ToolMotion> = motions.iter().map(|of| of.first_part(slowed)).collect();
@@ -167,7 +146,7 @@ impl Scene {
             (true, false) => MAX_ROUNDS,
             (true, true) => 1,
         };
-        // What one method of contact cannot compute another one often can.
+        // What one method of contact cannot compute another one often can. Of a try that diverged that is not known.
         let mut augmented_lagrangian = false;
         let count_of = |index: usize, division: &Division, steps: u32| match tries[index] {
             Try::Follow(factor) => division.count().saturating_mul(factor),
@@ -357,253 +336,4 @@ impl Scene {
             group.relocate_members(&mut self.bodies, &self.state.bodies);
         }
     }
-
-    /// One try of a tick of `tick_s` \[s\] in the solver's `steps`, divided so. Where its work exceeds the budget on the way the tools stop, and each of the
-    /// solver's steps is made in one from there.
-    fn attempt(
-        &mut self,
-        course: &mut Course,
-        tick_s: f64,
-        steps: u32,
-        division: &Division,
-        budget: &mut Budget,
-        exec: &dyn Executor,
-    ) -> Result<Attempted, Failure> {
-        self.relocate();
-        let start = self.state.bodies.clone();
-        let planned = course.planned();
-        let edges = self.edges(&planned);
-        let mut loads = EdgeLoads::default();
-        let mut solver = SolverReport::default();
-        self.exempt_blades(&planned);
-        // Without containment nobody asks what was there at the start: energies of all elements are not free.
-        let watched = match self.containment {
-            true => self.bodies.as_slice(),
-            false => &[],
-        };
-        let irrigates = |motion: &ToolMotion| self.tools[motion.tool].irrigates(motion);
-        let irrigated = planned.iter().any(irrigates);
-        let mut watches: Vec<Watch> = watched
-            .iter()
-            .zip(&start)
-            .map(|(body, state)| Watch::new(body, state, self.state.time, tick_s, irrigated))
-            .collect();
-        for pair in self.pairs.iter().filter(|pair| !pair.grip.is_empty()) {
-            if let Some(watch) = watches.get_mut(pair.body) {
-                watch.is_held();
-            }
-        }
-        let mut tallies = vec![Tally::default(); self.pairs.len()];
-        let mut stiffer = vec![false; self.groups.len()];
-        let mut longest_steps = vec![None; self.groups.len()];
-        let mut work = IterationWork::new(self.groups.len());
-        let (parts, mut count) = (division.parts(), division.count());
-        let (part, of_step) = (tick_s / f64::from(parts), (parts / steps).max(1));
-        let states = &mut self.state.bodies;
-        let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
-        let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
-        let mut jets = Vec::with_capacity(self.tools.len());
-        let (mut step, mut from, mut stops) = (0, 0, false);
-        while from < parts {
-            let undivided = step + (parts - from).div_ceil(of_step);
-            if !stops && step > 0 && undivided < count && budget.ends_with_next(work.mean()) {
-                (stops, count) = (true, undivided);
-                course.stop();
-            }
-            let to = match stops {
-                true => ((from / of_step + 1) * of_step).min(parts),
-                false => division.step(step)[1],
-            };
-            let h = part * f64::from(to - from);
-            course.advance(
-                &self.tools,
-                [from, to, division.parts()],
-                self.hand_force,
-                self.tools_touch,
-                &mut tools,
-            );
-            course.jets(&self.tools, &mut jets);
-            let end = self.state.time + f64::from(to) * part;
-            for (index, state) in joined.iter().enumerate() {
-                let (of, allowed) = (&self.groups[index], &self.state.stable_steps);
-                let Some(longest) = of.longest_step(&self.bodies, state, end - h, h, allowed)
-                else {
-                    continue;
-                };
-                if StretchGuard::is_too_long(h, longest) {
-                    let what = Divergence::Stiffened {
-                        longest_step_s: longest,
-                    };
-                    let body = of.members[0].body;
-                    return Err(Failure { body, step, what });
-                }
-                longest_steps[index] = Some(longest);
-            }
-            for (index, state) in joined.iter_mut().enumerate() {
-                let group = &mut self.groups[index];
-                group.limit_work(budget.part(count - step));
-                group.relocate(&mut self.bodies, state);
-                let stepped = step_group(
-                    group,
-                    &self.bodies,
-                    &mut self.state.contacts[index],
-                    state,
-                    &tools,
-                    &jets,
-                    &self.gravity,
-                    end,
-                    h,
-                    exec,
-                );
-                let (body, what) = match stepped {
-                    Ok((report, grown)) if state.is_finite() => {
-                        budget.spend(report.work);
-                        work.add(index, report.work, report.iterations);
-                        solver.add(&report);
-                        stiffer[index] |= grown;
-                        let mut works = vec![Work::default(); group.members.len()];
-                        sum_up(
-                            group,
-                            &self.bodies,
-                            &self.pairs,
-                            &self.tools,
-                            &state.positions,
-                            h,
-                            &mut tallies,
-                            &mut works,
-                        );
-                        for (member, work) in group.members.iter().zip(&works) {
-                            if let Some(watch) = watches.get_mut(member.body) {
-                                watch.add(work, &self.bodies[member.body]);
-                            }
-                        }
-                        if let Some(contact) = &group.contact {
-                            let (points, contacts) = (&contact.points, &contact.contacts);
-                            course.load(&self.tools, points, contacts, &state.positions);
-                            if !edges.is_empty() {
-                                loads.add(index, contact, &tools, &edges, h);
-                            }
-                        }
-                        continue;
-                    }
-                    Ok(_) => (group.not_finite(state), Divergence::NotFinite),
-                    Err(failure) => {
-                        budget.spend(group.least_work(&self.bodies, 0));
-                        group.failed(failure)
-                    }
-                };
-                return Err(Failure { body, step, what });
-            }
-            course.finish_step(&self.tools);
-            (step, from) = (step + 1, to);
-        }
-        budget.expect(work.mean());
-        for (group, state) in self.groups.iter().zip(joined) {
-            group.split(state, &self.bodies, &mut self.state.bodies);
-        }
-        self.relocate();
-        for (index, body) in self.bodies.iter().enumerate() {
-            let end = &self.state.bodies[index];
-            let found = match watches.get(index) {
-                Some(watch) => watch.evaluate(
-                    body,
-                    &start[index],
-                    end,
-                    &self.gravity,
-                    self.state.time + tick_s,
-                ),
-                None => containment::escaped(body, end),
-            };
-            if let Some(what) = found {
-                return Err(Failure {
-                    body: index,
-                    step: count,
-                    what,
-                });
-            }
-        }
-        for (group, _) in stiffer.iter().enumerate().filter(|(_, stiffer)| **stiffer) {
-            for member in 0..self.groups[group].members.len() {
-                self.update_stable_step(self.groups[group].members[member].body);
-            }
-        }
-        for (group, longest) in longest_steps.into_iter().enumerate() {
-            if let Some(longest) = longest {
-                self.lengthen_steps(group, longest);
-            }
-        }
-        // Cuts give nodes other places.
-        let undone = self.bodies.iter().zip(watches).enumerate();
-        let undone = undone.filter(|(_, (_, watch))| !watch.undone.is_empty());
-        let undone = undone.map(|(index, (body, watch))| {
-            let nodes = watch.undone.iter();
-            let ids = nodes.map(|node| body.mesh.node_ids[*node as usize]);
-            (index, ids.collect())
-        });
-        Ok(Attempted {
-            overlaps_undone: undone.collect(),
-            contacts: self.contact_reports(&tallies, &course.motions(), tick_s),
-            loads,
-            solver,
-        })
-    }
-}
-
-/// One step of a group: solver with contact, plastic flow. Returns also whether a body has become stiffer.
-#[expect(clippy::too_many_arguments, reason = "a step has this many sides")]
-fn step_group(
-    group: &mut Group,
-    bodies: &[Body],
-    contact_state: &mut ContactState,
-    state: &mut State,
-    tools: &[Option<Vec<CapsuleMotion>>],
-    jets: &[Jet],
-    gravity: &Vector3<f64>,
-    end: f64,
-    h: f64,
-    exec: &dyn Executor,
-) -> Result<(StepReport, bool), StepFailure> {
-    let _span = tracing::debug_span!("solve").entered();
-    let mut control = group.control(bodies, gravity, end);
-    group.irrigate(bodies, jets, &state.positions, &mut control);
-    group.hold(tools, contact_state, &state.positions, &mut control);
-    let targets = group.targets(bodies, end);
-    let (model, solver, contact) = group.parts(bodies);
-    let report = match contact {
-        None => solver.step(model, state, &control, &targets, h, exec),
-        Some(of) if !of.is_active(tools) => {
-            of.clear();
-            contact_state.clear();
-            solver.step(model, state, &control, &targets, h, exec)
-        }
-        Some(of) => {
-            let contacts = std::mem::take(&mut of.contacts);
-            let mut source = of.source(&state.positions, tools, contact_state);
-            let mut contact = ContactStep {
-                source: &mut source,
-                contacts,
-            };
-            let report = solver.advance(
-                model,
-                state,
-                &control,
-                &targets,
-                Some(&mut contact),
-                h,
-                exec,
-            );
-            let contacts = contact.contacts;
-            if report.is_ok() {
-                of.finish(contacts, contact_state);
-            }
-            report
-        }
-    }?;
-    group.end_irrigation(control);
-    let points = group.contact.as_ref().map_or(0, |of| of.points.len());
-    let work = report.work.max(group.least_work(bodies, 0)) + POINT * points as f64;
-    let report = StepReport { work, ..report };
-    group.iterations += u64::from(report.iterations);
-    let grown = flow(group.model(bodies), state, h);
-    Ok((report, grown))
 }

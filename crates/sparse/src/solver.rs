@@ -293,7 +293,7 @@ impl LinearSolver {
         std::mem::take(&mut self.operations)
     }
 
-    /// As many so far, without beginning anew.
+    /// The same, without resetting it.
     pub fn operations(&self) -> f64 {
         self.operations
     }

@@ -125,6 +125,18 @@ impl Method {
         !matches!(self, Self::QuasiStatic(_))
     }
 
+    /// Whether a step fails that does not converge, and so takes what it needs of work.
+    pub fn must_converge(&self) -> bool {
+        match self {
+            Self::ImplicitEuler(newton)
+            | Self::ImplicitMidpoint(newton)
+            | Self::GuardedMidpoint(newton)
+            | Self::Sdirk2(newton)
+            | Self::QuasiStatic(newton) => newton.must_converge,
+            _ => false,
+        }
+    }
+
     /// Whether a node can be guided to a target within one step ([`NodeTarget`](crate::NodeTarget)).
     pub fn reaches_node_targets(&self) -> bool {
         match self {

@@ -39,7 +39,7 @@
 //! the interior-point method can solve contacts among themselves. An iteration at whose end surfaces have turned so much that gaps are far
 //! below their floors goes back, to an eighth of its length at least. After a short one the matrix is retained for the next; one that moves
 //! hardly anything ends the step. Where the interior-point method finds no forces, those of before stay, and the iteration is a short one.
-//! A step that is repeated with more effort has none of this: its contacts take the augmented Lagrangian method.
+//! A step that is to take the augmented Lagrangian method ([`Effort`](crate::Effort)) has none of this.
 //!
 //! # Limitations
 //! The derivative of viscous forces by positions is left out, so with viscosity the last iterations converge linearly, by a

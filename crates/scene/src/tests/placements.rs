@@ -362,9 +362,9 @@ fn a_fast_tool_is_followed_within_the_budget() {
     assert!(ticks > 1);
 }
 
-/// Tools that are slowed down to a quarter take the sub-steps of a quarter of the way.
+/// Tools that are slowed down to a quarter take the sub-steps of a quarter of their motion.
 #[test]
-fn a_slowed_tool_takes_substeps_for_its_part_of_the_way() {
+fn a_slowed_tool_takes_substeps_for_its_part_of_the_motion() {
     let substeps = |pace: f64, way: f64| {
         let mut scene = Scene::new(&gripped()).unwrap();
         scene.state.placements.pace = pace;
@@ -377,30 +377,60 @@ fn a_slowed_tool_takes_substeps_for_its_part_of_the_way() {
     assert_eq!(quarter, substeps(1.0, 1e-3));
 }
 
-/// Sub-steps are planned by what an iteration takes without contact. Jaws that are pushed over the block meet so many contacts on the way that iterations take more: they stop
-/// where only two more fit in the first half of the budget, and the rest of the tick is one step.
+/// Jaws that are pushed over the block in one tick, in a scene with such a budget \[s\].
+fn pushed_over(work: f64, must_converge: bool) -> (Scene, ToolMotion) {
+    let mut spec = gripped();
+    spec.budget = Some(work / TICK);
+    let Method::QuasiStatic(newton) = &mut spec.method else {
+        panic!("{}", spec.method.name());
+    };
+    newton.must_converge = must_converge;
+    let motion = ToolMotion {
+        to: at(-1e-3, [0.18; 2]).to,
+        ..at(1.5e-3, [0.18; 2])
+    };
+    (Scene::new(&spec).unwrap(), motion)
+}
+
+/// Sub-steps are planned by what an iteration takes without contact. Jaws that are pushed over the block meet so many contacts that iterations take more: they stop before
+/// another one would take what the step for the rest of the tick needs, and so leave all of the half of the budget that is for a repetition. They go on in the next tick.
 #[test]
 fn tools_stop_where_the_work_exceeds_the_budget() {
     const WORK: f64 = 4e-3;
-    let mut spec = gripped();
-    spec.budget = Some(WORK / TICK);
-    let mut scene = Scene::new(&spec).unwrap();
-    let [start, end] = [1.5e-3, -1e-3];
-    let motion = ToolMotion {
-        to: at(end, [0.18; 2]).to,
-        ..at(start, [0.18; 2])
-    };
+    let (mut scene, motion) = pushed_over(WORK, false);
+    let [start, end] = [motion.from, motion.to].map(|pose| pose.position.y);
     let report = scene.tick(&[motion], TICK, 1, &Serial).unwrap();
-    assert!(report.over_budget && report.work <= WORK, "{report:?}");
+    assert!(report.over_budget, "{report:?}");
     let (steps, substeps) = (report.solver.steps, report.substeps);
     assert!(1 < steps && steps < substeps, "{steps} of {substeps}");
+    let iteration = report.work / f64::from(report.solver.iterations);
+    assert!(report.work < 0.5 * WORK + iteration, "{report:?}");
     // All steps but the last one were on the way.
-    let placement = scene.state.placements.tools[0].unwrap();
-    let reached = (start - placement.pose.position.y) / (start - end);
+    let place = |scene: &Scene| scene.state.placements.tools[0].unwrap();
+    let reached = (start - place(&scene).pose.position.y) / (start - end);
     let planned = f64::from(steps - 1) / f64::from(substeps);
     assert!(
         reached > 0.0 && reached <= planned,
         "{reached} of {planned}"
     );
-    assert!(!placement.is_free);
+    assert!(!place(&scene).is_free);
+    let rests = ToolMotion {
+        from: motion.to,
+        ..motion
+    };
+    for _ in 0..20 {
+        scene.tick(&[rests], TICK, 1, &Serial).unwrap();
+    }
+    assert_eq!(place(&scene).pose.position.y, end);
+}
+
+/// A step that must converge takes what it needs, so it is no reason to stop.
+#[test]
+fn tools_whose_steps_must_converge_do_not_stop() {
+    let (mut scene, motion) = pushed_over(4e-3, true);
+    let report = scene.tick(&[motion], TICK, 1, &Serial);
+    match report {
+        Ok(report) => assert_eq!(report.solver.steps, report.substeps, "{report:?}"),
+        Err(failure) => assert!(failure.what.is_unconverged(), "{failure:?}"),
+    }
 }
