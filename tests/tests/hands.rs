@@ -28,7 +28,12 @@ const SAMPLE: [(&str, &str, Profile, Today); 17] = [
     ("trim-blunt", "3", Profile::Clumsy, MET),
     ("diagonal-cut", "2", Profile::Dragging, MET),
     ("dilatation", "1", Profile::Snipping, MET),
-    ("push-strip", "2.dissertation", Profile::Violent, MET),
+    (
+        "push-strip",
+        "2.dissertation",
+        Profile::Violent,
+        IN_ONE_STEP,
+    ),
     (
         "coordination",
         "2.dissertation",
@@ -59,15 +64,14 @@ const MET: Today = Today {
     too_strong: 0,
     stalled: false,
 };
-/// With forces of the dissertation, which bring a node out of a tool within one step, however short that is.
+/// With forces of the dissertation, which bring a node out of a tool within one step, however short that is: 1.2 N at most of thrusts, in 2 of 217 ticks in contact.
 const IN_ONE_STEP: Today = Today {
     too_strong: 2,
     ..MET
 };
-/// Thrusts push with all of the force that a hand has, `hand_force` of levels, 1 N, and with what they set in motion: 1.45 N at most. 38 of 163 ticks in contact before repeated steps took
-/// the other method of contact (1.49 N), 40 of 170 since.
+/// Thrusts push with all of the force that a hand has, `hand_force` of levels, 1 N, and with what they set in motion: 1.05 N at most, in 12 of 165 ticks in contact.
 const WITH_ALL_FORCE: Today = Today {
-    too_strong: 40,
+    too_strong: 12,
     ..MET
 };
 /// Fraction of ticks over their budget. Wanted: 0.001.
@@ -137,8 +141,9 @@ fn random_hands_end_with_a_report() {
             play(&player, &stage, folder.path(), Guard::default()).expect("a run");
         eprintln!("{outcome:?}");
         check(&outcome, &stage, today);
-        // A player that hovers shows nothing.
-        let has_touched = outcome.contact > 0 && outcome.acts[1] > 0;
+        // A player that hovers shows nothing. One that has ended its level may do so in an act.
+        let has_acted = outcome.acts[1] > 0 || outcome.simulated < SECONDS;
+        let has_touched = outcome.contact > 0 && has_acted;
         assert_eq!(has_touched, stage.tissue.is_some(), "{}", player.name());
         if number < VERIFIED {
             assert_verified(&session);

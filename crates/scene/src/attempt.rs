@@ -79,8 +79,8 @@ impl Scene {
         let mut joined: Vec<State> = self.groups.iter().map(|g| g.join(states)).collect();
         let mut tools: Vec<Option<Vec<CapsuleMotion>>> = vec![None; self.tools.len()];
         let mut jets = Vec::with_capacity(self.tools.len());
-        // What must converge takes no heed of its budget.
-        let may_stop = !self.method.must_converge();
+        // What must converge takes no heed of its budget, and steps of explicit methods take what was foreseen.
+        let may_stop = !self.method.must_converge() && !self.method.is_explicit();
         let (mut step, mut from, mut stops) = (0, 0, false);
         while from < parts {
             let undivided = (parts - from).div_ceil(of_step);
