@@ -30,7 +30,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Changes of an energy below this fraction of its terms are within the digits of an f32 factor's response.
 const FACTOR_ROUNDING: f64 = 1e-6;
 
-/// What an operation of an elimination that is not blocked takes, over one of the dense kernels of a factor: measured with 60 to 96 directions.
+/// What an operation of an elimination that is not blocked takes, over one of the dense kernels of a factor. A judgement by the numbers that it loads and stores; not measured.
 const UNBLOCKED: f64 = 4.0;
 
 /// A contact where a displacement is sought.

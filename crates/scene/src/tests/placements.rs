@@ -385,6 +385,10 @@ fn pushed_over(work: f64, must_converge: bool) -> (Scene, ToolMotion) {
         panic!("{}", spec.method.name());
     };
     newton.must_converge = must_converge;
+    if must_converge {
+        // Jaws that are pushed so roughly give residuals of a tenth.
+        newton.tolerance = 0.2;
+    }
     let motion = ToolMotion {
         to: at(-1e-3, [0.18; 2]).to,
         ..at(1.5e-3, [0.18; 2])
@@ -428,9 +432,6 @@ fn tools_stop_where_the_work_exceeds_the_budget() {
 #[test]
 fn tools_whose_steps_must_converge_do_not_stop() {
     let (mut scene, motion) = pushed_over(4e-3, true);
-    let report = scene.tick(&[motion], TICK, 1, &Serial);
-    match report {
-        Ok(report) => assert_eq!(report.solver.steps, report.substeps, "{report:?}"),
-        Err(failure) => assert!(failure.what.is_unconverged(), "{failure:?}"),
-    }
+    let report = scene.tick(&[motion], TICK, 1, &Serial).unwrap();
+    assert_eq!(report.solver.steps, report.substeps, "{report:?}");
 }
