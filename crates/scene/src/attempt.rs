@@ -69,6 +69,9 @@ impl Scene {
                 watch.is_held();
             }
         }
+        if budget.is_last {
+            watches.iter_mut().for_each(Watch::is_tried_last);
+        }
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];
         let mut longest_steps = vec![None; self.groups.len()];

@@ -46,6 +46,8 @@ pub(crate) struct Watch {
     driven: bool,
     /// Whether a point of contact pressed harder than the material allows.
     overpressed: bool,
+    /// Whether only what is no number or flies apart is refused.
+    is_last: bool,
 }
 
 impl Watch {
@@ -57,7 +59,14 @@ impl Watch {
             undone: BTreeSet::new(),
             driven: irrigated || body.drive.moves(time, time + tick_s),
             overpressed: false,
+            is_last: false,
         }
+    }
+
+    /// Nothing touches the body any more, it has begun at rest, and nothing is tried after that: with inverted elements, and with the energy that an iteration which did not converge
+    /// leaves, it can go on, and if it stood still they would stay.
+    pub fn is_tried_last(&mut self) {
+        self.is_last = true;
     }
 
     /// Jaws hold the body by forces whose work is not computed.
@@ -106,6 +115,9 @@ impl Watch {
         let allowed = brought * (1.0 + ENERGY_MARGIN) + scale;
         if !energy.is_finite() {
             return Some(Divergence::NotFinite);
+        }
+        if self.is_last {
+            return None;
         }
         if !self.driven && energy > allowed {
             return Some(Divergence::EnergyGrowth);
@@ -181,8 +193,42 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use super::is_inverted;
+    use super::{Divergence, Watch, is_inverted};
+    use crate::{Behaviour, BodySpec, Material, Method, Scene, SceneSpec};
+    use microsim_mesh::{Block, CellSplit};
+    use microsim_tissue::{SpringConstants, State};
     use nalgebra::Vector3;
+
+    /// A cube that is turned inside out to twice its size: a try is refused for it, and the last one is not; no try is accepted with a place that is no number.
+    #[test]
+    fn the_last_try_is_refused_only_where_nothing_can_go_on() {
+        let block = Block {
+            center: [0.0; 3],
+            size: [2e-3; 3],
+            cells: [2; 3],
+            split: CellSplit::Kuhn,
+        };
+        let material = Material {
+            density: 1060.0,
+            relaxation_time: 0.0,
+            behaviour: Behaviour::Springs(SpringConstants::scaled(25e3, 5e4)),
+        };
+        let cube = BodySpec::new("cube", block.mesh().unwrap(), material);
+        let scene = Scene::new(&SceneSpec::new(vec![cube], Method::StoermerVerlet)).unwrap();
+        let (body, start) = (&scene.bodies[0], &scene.state.bodies[0]);
+        let mut watch = Watch::new(body, start, 0.0, 1e-3, false);
+        // Whatever energy that takes.
+        watch.is_held();
+        let mut end = start.clone();
+        end.positions.iter_mut().for_each(|p| *p *= -2.0);
+        let found =
+            |watch: &Watch, end: &State| watch.evaluate(body, start, end, &Vector3::zeros(), 1e-3);
+        assert_eq!(found(&watch, &end), Some(Divergence::Inversion));
+        watch.is_tried_last();
+        assert_eq!(found(&watch, &end), None);
+        end.positions[0].x = f64::NAN;
+        assert!(found(&watch, &end).is_some());
+    }
 
     /// A tetrahedron of 100 units of volume and a sliver of 2 on the same base: their mean is 51, half of it 25.5.
     #[test]
