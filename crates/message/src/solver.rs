@@ -37,7 +37,7 @@ pub struct SolverTick {
     #[serde(default)]
     pub tool_contacts: u32,
     /// Whether the forces of the tick mean anything: the residuals are within their bounds (`microsim_scene::SolverBounds`), no force has jumped in a step above the tolerance,
-    /// and the bodies were not held. From any other tick no metric takes a force or a cut.
+    /// and the bodies were neither held nor computed with tools that touch nothing. From any other tick no metric takes a force or a cut.
     pub valid: bool,
 }
 

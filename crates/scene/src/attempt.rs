@@ -4,7 +4,7 @@
 
 use crate::body::Body;
 use crate::budget::{Budget, IterationWork};
-use crate::containment::{self, Failure, Watch};
+use crate::containment::{Failure, HALVINGS, Watch};
 use crate::divergence::Divergence;
 use crate::division::Division;
 use crate::group::Group;
@@ -68,9 +68,6 @@ impl Scene {
             if let Some(watch) = watches.get_mut(pair.body) {
                 watch.is_held();
             }
-        }
-        if budget.is_last {
-            watches.iter_mut().for_each(Watch::is_tried_last);
         }
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];
@@ -188,25 +185,17 @@ impl Scene {
             group.split(state, &self.bodies, &mut self.state.bodies);
         }
         self.relocate();
-        for (index, body) in self.bodies.iter().enumerate() {
-            let end = &self.state.bodies[index];
-            let found = match watches.get(index) {
-                Some(watch) => watch.evaluate(
-                    body,
-                    &start[index],
-                    end,
-                    &self.gravity,
-                    self.state.time + tick_s,
-                ),
-                None => containment::escaped(body, end),
+        let end = self.state.time + tick_s;
+        let mut halvings = vec![if course.is_let_go { HALVINGS } else { 0 }; self.groups.len()];
+        while let Some((body, what)) = self.first_diverged(&watches, &start, end) {
+            let of = |group: &Group| group.members.iter().any(|member| member.body == body);
+            let group = self.groups.iter().position(of);
+            let Some(group) = group.filter(|group| halvings[*group] > 0) else {
+                let step = division.count();
+                return Err(Failure { body, step, what });
             };
-            if let Some(what) = found {
-                return Err(Failure {
-                    body: index,
-                    step: division.count(),
-                    what,
-                });
-            }
+            halvings[group] -= 1;
+            self.halve_motion(group, &start, &mut watches);
         }
         for (group, _) in stiffer.iter().enumerate().filter(|(_, stiffer)| **stiffer) {
             for member in 0..self.groups[group].members.len() {

@@ -3,8 +3,7 @@
 //! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
 //! four fifths of the first half, each step has an even part of what is left of it, and a repetition has the other half too and begins only where its least work fits. Where iterations take more than
 //! was foreseen, as contacts become many in the motion, the tools stop before what is left of the solver's steps, with an iteration each, would not fit any more, and each of these is made undivided. What has to be computed in any
-//! case is computed: an iteration of each of these, whatever contact makes of it, those of tries with tools that stand or touch nothing, and the last try, from rest, with as many as its method
-//! takes: cut short, it too may come to a state that means nothing, and the scene stands still. By so much a tick may exceed its budget.
+//! case is computed: an iteration of each of these, whatever contact makes of it, and the tries with tools that stand. By so much a tick may exceed its budget.
 
 /// The part of a budget that is left for repetitions of a tick whose forces mean nothing: without it they would mean nothing in every tick that is hard to solve.
 const RESERVE: f64 = 0.5;
@@ -21,8 +20,6 @@ pub(crate) struct Budget {
     reserve: f64,
     /// The least work of a step \[s\].
     step: f64,
-    /// Whether what remains to be computed has to be, whatever it takes.
-    pub is_last: bool,
     /// All that was spent \[s\].
     pub spent: f64,
     /// Whether something did not fit.
@@ -36,7 +33,6 @@ impl Budget {
             left: budget.unwrap_or(f64::INFINITY),
             reserve: budget.map_or(0.0, |budget| RESERVE * budget),
             step,
-            is_last: false,
             spent: 0.0,
             is_exceeded: false,
         }
@@ -67,9 +63,6 @@ impl Budget {
 
     /// What the next one of so many steps may take \[s\].
     pub fn part(&self, steps: u32) -> f64 {
-        if self.is_last {
-            return f64::INFINITY;
-        }
         (self.left - self.reserve).max(0.0) / f64::from(steps)
     }
 
@@ -88,18 +81,12 @@ impl Budget {
     /// Spends the work of a step \[s\].
     pub fn spend(&mut self, work: f64) {
         self.spent += work;
-        self.is_exceeded |= self.is_last && work > self.left;
         self.left = (self.left - work).max(0.0);
     }
 
-    /// All that is left is for the tries that follow: one has failed.
+    /// What was reserved for repetitions is for the tries that follow: one has failed.
     pub fn release_reserve(&mut self) {
         self.reserve = 0.0;
-    }
-
-    /// The steps that follow may take what they need: without them the scene would stand still.
-    pub fn begin_last_try(&mut self) {
-        self.is_last = true;
     }
 
     /// Whether another try of so many steps fits, with the reserve.
@@ -179,18 +166,12 @@ mod tests {
     }
 
     #[test]
-    fn a_failed_try_leaves_its_reserve_and_the_last_one_is_unbounded() {
+    fn tries_after_one_that_failed_have_the_reserve() {
         let mut budget = Budget::new(Some(32.0), 1.0);
         budget.spend(16.0);
         assert_eq!(budget.part(2), 0.0);
         budget.release_reserve();
         assert_eq!(budget.part(2), 8.0);
-        budget.begin_last_try();
-        assert_eq!(budget.part(2), f64::INFINITY);
-        budget.spend(16.0);
-        assert!(!budget.is_exceeded);
-        budget.spend(1.0);
-        assert!(budget.is_exceeded && budget.spent == 33.0);
     }
 
     #[test]

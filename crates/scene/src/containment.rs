@@ -1,4 +1,4 @@
-//! When a body has diverged: it is rolled back and computed again with shorter steps, or held.
+//! When a body has diverged: it is rolled back and computed again with shorter steps, without tools, for a part of its motion, or held.
 
 use crate::body::Body;
 use crate::divergence::{Diverged, Divergence};
@@ -33,6 +33,9 @@ const ESCAPE: f64 = 10.0;
 /// flat take tens of it, an iteration that was cut short between two jaws may leave a number without any meaning.
 const OVERPRESSED: f64 = 1e3;
 
+/// So often the motion of bodies that no tool touches is halved until none diverges in it: a 64th is left, less is no motion.
+pub(crate) const HALVINGS: u32 = 6;
+
 /// What is watched of one body during a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch {
@@ -46,8 +49,6 @@ pub(crate) struct Watch {
     driven: bool,
     /// Whether a point of contact pressed harder than the material allows.
     overpressed: bool,
-    /// Whether only what is no number or flies apart is refused.
-    is_last: bool,
 }
 
 impl Watch {
@@ -59,14 +60,7 @@ impl Watch {
             undone: BTreeSet::new(),
             driven: irrigated || body.drive.moves(time, time + tick_s),
             overpressed: false,
-            is_last: false,
         }
-    }
-
-    /// Nothing touches the body any more, it has begun at rest, and nothing is tried after that: with inverted elements, and with the energy that an iteration which did not converge
-    /// leaves, it can go on, and if it stood still they would stay.
-    pub fn is_tried_last(&mut self) {
-        self.is_last = true;
     }
 
     /// Jaws hold the body by forces whose work is not computed.
@@ -79,6 +73,11 @@ impl Watch {
         self.work += work.work;
         self.overpressed |= work.normal_force > OVERPRESSED * body.force_scale;
         self.undone.extend(&work.undone);
+    }
+
+    /// Only a part of the motion counts any more: how hard contact pressed in all of it means nothing.
+    pub fn forget_pressure(&mut self) {
+        self.overpressed = false;
     }
 
     /// Looks at a body at the end of a tick, at `time` \[s\].
@@ -116,23 +115,25 @@ impl Watch {
         if !energy.is_finite() {
             return Some(Divergence::NotFinite);
         }
-        if self.is_last {
-            return None;
-        }
         if !self.driven && energy > allowed {
             return Some(Divergence::EnergyGrowth);
         }
-        let inverted = is_inverted(body.model.tets(), body.model.rest_volumes(), &end.positions);
+        let positions = [&start.positions[..], &end.positions];
+        let inverted = is_inverted(body.model.tets(), body.model.rest_volumes(), positions);
         inverted.then_some(Divergence::Inversion)
     }
 }
 
-/// Whether an element is inverted beyond recovery.
-fn is_inverted(tets: &[[u32; 4]], rest_volumes: &[f64], positions: &[Vector3<f64>]) -> bool {
+/// Whether an element is inverted beyond recovery at the second of these positions, and further than at the first: that it was so before, as a cut may leave it, is no reason to
+/// compute a tick again.
+fn is_inverted(tets: &[[u32; 4]], rest_volumes: &[f64], positions: [&[Vector3<f64>]; 2]) -> bool {
     let mean = rest_volumes.iter().sum::<f64>() / rest_volumes.len().max(1) as f64;
     tets.iter().zip(rest_volumes).any(|(tet, rest_volume)| {
-        let [a, b, c, d] = tet.map(|node| &positions[node as usize]);
-        signed_volume(a, b, c, d) < INVERTED * rest_volume.max(SLIVER * mean)
+        let [before, now] = positions.map(|of| {
+            let [a, b, c, d] = tet.map(|node| &of[node as usize]);
+            signed_volume(a, b, c, d)
+        });
+        now < before.min(INVERTED * rest_volume.max(SLIVER * mean))
     })
 }
 
@@ -169,6 +170,43 @@ pub(crate) struct Failure {
 }
 
 impl Scene {
+    /// The first body that has diverged in the tick from `start` to `end` \[s\].
+    pub(crate) fn first_diverged(
+        &self,
+        watches: &[Watch],
+        start: &[State],
+        end: f64,
+    ) -> Option<(usize, Divergence)> {
+        let bodies = self.bodies.iter().zip(&self.state.bodies).enumerate();
+        bodies.zip(start).find_map(|((index, (body, now)), start)| {
+            let found = match watches.get(index) {
+                Some(watch) => watch.evaluate(body, start, now, &self.gravity, end),
+                None => escaped(body, now),
+            };
+            found.map(|what| (index, what))
+        })
+    }
+
+    /// Leaves the half of the motion of a group's bodies from `start`; they are at rest at its end, with the internal variables of the start. The smaller the part, the less it can diverge,
+    /// and the next tick begins where less is strained: from rest, a step without contact begins along a direction in which the energy decreases.
+    pub(crate) fn halve_motion(&mut self, group: usize, start: &[State], watches: &mut [Watch]) {
+        for member in &self.groups[group].members {
+            let (state, start) = (&mut self.state.bodies[member.body], &start[member.body]);
+            if let Some(watch) = watches.get_mut(member.body) {
+                watch.forget_pressure();
+            }
+            let positions = state.positions.iter().zip(&start.positions);
+            *state = State {
+                positions: positions.map(|(end, start)| start.lerp(end, 0.5)).collect(),
+                velocities: vec![Vector3::zeros(); start.velocities.len()],
+                step: 0.0,
+                accelerations: Vec::new(),
+                internal: start.internal.clone(),
+            };
+        }
+        self.relocate();
+    }
+
     /// The error for a tick that failed finally; goes back to `start`.
     pub(crate) fn diverged(
         &mut self,
@@ -196,61 +234,88 @@ mod tests {
     use super::{Divergence, Watch, is_inverted};
     use crate::{Behaviour, BodySpec, Material, Method, Scene, SceneSpec};
     use microsim_mesh::{Block, CellSplit};
-    use microsim_tissue::{SpringConstants, State};
+    use microsim_tissue::SpringConstants;
     use nalgebra::Vector3;
 
-    /// A cube that is turned inside out to twice its size: a try is refused for it, and the last one is not; no try is accepted with a place that is no number.
+    /// Two cubes, of which one is turned inside out to twice its size, p → −2p, eight times its volume: half of that motion leaves −p/2, an eighth of its volume, which its springs turn back. The other
+    /// cube, of another group, stays as it is.
     #[test]
-    fn the_last_try_is_refused_only_where_nothing_can_go_on() {
-        let block = Block {
-            center: [0.0; 3],
-            size: [2e-3; 3],
-            cells: [2; 3],
-            split: CellSplit::Kuhn,
+    fn half_of_a_motion_diverges_less() {
+        let cube = |name: &str| {
+            let block = Block {
+                center: [0.0; 3],
+                size: [2e-3; 3],
+                cells: [2; 3],
+                split: CellSplit::Kuhn,
+            };
+            let behaviour = Behaviour::Springs(SpringConstants::scaled(25e3, 5e4));
+            let material = Material {
+                density: 1060.0,
+                relaxation_time: 0.0,
+                behaviour,
+            };
+            BodySpec::new(name, block.mesh().unwrap(), material)
         };
-        let material = Material {
-            density: 1060.0,
-            relaxation_time: 0.0,
-            behaviour: Behaviour::Springs(SpringConstants::scaled(25e3, 5e4)),
+        let spec = SceneSpec::new(vec![cube("first"), cube("second")], Method::StoermerVerlet);
+        let mut scene = Scene::new(&spec).unwrap();
+        let start = scene.state.bodies.clone();
+        let watch = |index: usize| {
+            let mut watch = Watch::new(&scene.bodies[index], &start[index], 0.0, 1e-3, false);
+            // Whatever energy that takes.
+            watch.is_held();
+            watch
         };
-        let cube = BodySpec::new("cube", block.mesh().unwrap(), material);
-        let scene = Scene::new(&SceneSpec::new(vec![cube], Method::StoermerVerlet)).unwrap();
-        let (body, start) = (&scene.bodies[0], &scene.state.bodies[0]);
-        let mut watch = Watch::new(body, start, 0.0, 1e-3, false);
-        // Whatever energy that takes.
-        watch.is_held();
-        let mut end = start.clone();
-        end.positions.iter_mut().for_each(|p| *p *= -2.0);
-        let found =
-            |watch: &Watch, end: &State| watch.evaluate(body, start, end, &Vector3::zeros(), 1e-3);
-        assert_eq!(found(&watch, &end), Some(Divergence::Inversion));
-        watch.is_tried_last();
-        assert_eq!(found(&watch, &end), None);
-        end.positions[0].x = f64::NAN;
-        assert!(found(&watch, &end).is_some());
+        let mut watches = vec![watch(0), watch(1)];
+        for state in &mut scene.state.bodies {
+            state.velocities.fill(Vector3::x());
+        }
+        let turned = &mut scene.state.bodies[1].positions;
+        turned.iter_mut().for_each(|p| *p *= -2.0);
+        let found = scene.first_diverged(&watches, &start, 1e-3);
+        assert_eq!(found, Some((1, Divergence::Inversion)));
+        scene.halve_motion(1, &start, &mut watches);
+        assert_eq!(scene.first_diverged(&watches, &start, 1e-3), None);
+        let [first, second] = [0, 1].map(|index| &scene.state.bodies[index]);
+        let ends = start[1].positions.iter().map(|p| -0.5 * p);
+        assert!(
+            second
+                .positions
+                .iter()
+                .zip(ends)
+                .all(|(p, end)| (p - end).norm() < 1e-12)
+        );
+        assert!(second.velocities.iter().all(|v| *v == Vector3::zeros()));
+        assert!(first.velocities.iter().all(|v| *v == Vector3::x()));
     }
 
     /// A tetrahedron of 100 units of volume and a sliver of 2 on the same base: their mean is 51, half of it 25.5.
     #[test]
     fn slivers_turn_over_by_more_than_their_own_volume() {
         let tets = [[0, 1, 2, 3], [0, 1, 2, 4]];
-        let inverted = |volumes: [f64; 2]| {
+        let place = |volumes: [f64; 2]| {
             let corner = |x, y| Vector3::new(x, y, 0.0);
             let top = |volume: f64| Vector3::new(0.0, 0.0, 6.0 * volume);
             let [large, sliver] = volumes.map(top);
-            let positions = [
+            [
                 corner(0.0, 0.0),
                 corner(1.0, 0.0),
                 corner(0.0, 1.0),
                 large,
                 sliver,
-            ];
-            is_inverted(&tets, &[100.0, 2.0], &positions)
+            ]
         };
+        let turns = |before: [f64; 2], now: [f64; 2]| {
+            let [before, now] = [before, now].map(place);
+            is_inverted(&tets, &[100.0, 2.0], [&before, &now])
+        };
+        let inverted = |now: [f64; 2]| turns([100.0, 2.0], now);
         assert!(!inverted([100.0, 2.0]));
         assert!(!inverted([100.0, -25.0]));
         assert!(inverted([100.0, -26.0]));
         assert!(!inverted([-99.0, 2.0]));
         assert!(inverted([-101.0, 2.0]));
+        // What was so before may stay or turn back.
+        assert!(!turns([-103.0, -40.0], [-103.0, -30.0]));
+        assert!(turns([-103.0, 2.0], [-104.0, 2.0]));
     }
 }

@@ -10,7 +10,7 @@
 //! - **Tools do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both yield by half; jaws
 //!   open where that is how they yield.
 //! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
-//!   tools that touch nothing. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
+//!   tools that touch nothing, where the bodies go only so large a part of the motion that was found as none diverges in. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
 //!   Only methods with inertia do so; a quasi-static tick that diverges is left at its start.
 //! - **What does not fit in the work of a tick waits.** A tool that is too fast for it makes only a part of its motion, and one whose steps take more than was foreseen
 //!   stops in it ([`budget`](crate::budget)); the next tick goes on from there.
@@ -121,6 +121,8 @@ pub(crate) struct Course {
     tools: Vec<PlacedTool>,
     /// Pairs of tools that touched, the smaller index first, ascending.
     pub touched: Vec<[usize; 2]>,
+    /// Whether tools touch nothing, so that the bodies may go a part of their motion.
+    pub is_let_go: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -170,6 +172,16 @@ impl Course {
         Self {
             tools: tools.collect(),
             touched: Vec::new(),
+            is_let_go: false,
+        }
+    }
+
+    /// The course of tools that touch nothing.
+    pub fn let_go() -> Self {
+        Self {
+            tools: Vec::new(),
+            touched: Vec::new(),
+            is_let_go: true,
         }
     }
 

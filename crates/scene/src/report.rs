@@ -32,7 +32,7 @@ pub struct TickReport {
     pub solver: SolverReport,
     /// Whether the forces mean anything.
     pub valid: bool,
-    /// Whether the tick could only be computed with the tools where they were, or touching nothing; then they follow the hand more slowly for a while.
+    /// Whether the tick could only be computed with the tools where they were, or touching nothing, which is never valid; then they follow the hand more slowly for a while.
     pub stands: bool,
     /// Whether its work was bounded by its budget.
     pub over_budget: bool,

@@ -11,7 +11,6 @@ use crate::report::{MANY_SUBSTEPS, Recovery, TickReport};
 use crate::scene::Scene;
 use crate::tool::ToolMotion;
 use microsim_tissue::{Effort, Executor};
-use nalgebra::Vector3;
 use std::collections::BTreeSet;
 
 /// How a tick is tried.
@@ -21,21 +20,18 @@ enum Try {
     Follow(u32),
     /// Tools stay where they were.
     Stand,
-    /// Tools touch nothing.
+    /// Tools touch nothing. Where a body diverges all the same, the bodies go only a part of the motion that was found.
     LetGo,
-    /// Tools touch nothing and the bodies begin at rest.
-    Rest,
 }
 
 /// The tries when a body diverged. A tick whose forces mean nothing is repeated as the second one.
-const TRIES: [Try; 7] = [
+const TRIES: [Try; 6] = [
     Try::Follow(1),
     Try::Follow(2),
     Try::Follow(4),
     Try::Follow(8),
     Try::Stand,
     Try::LetGo,
-    Try::Rest,
 ];
 
 /// The steps of a repeated tick may take so many times the iterations of the method.
@@ -48,7 +44,7 @@ impl Scene {
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
-    /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help it is computed with the tools where they were, else with tools that touch nothing, and else from rest, which is refused only where it is no number or flies apart; when that does not help either the
+    /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help it is computed with the tools where they were, and else with tools that touch nothing, of which the bodies go as large a part, halved and halved again, as none diverges in; when there is no such part either the
     /// scene stays at the start of the tick, without shreds that ruptured meanwhile, and the error describes what happened; the next tick may go on from there. A tick whose forces
     /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, four times the iterations and, where the interior-point method has found no forces, the augmented Lagrangian method of contact, and not [`valid`](TickReport::valid) if
     /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
@@ -138,7 +134,7 @@ impl Scene {
         let is_tried = |(index, of): &(usize, Try)| match of {
             Try::Follow(_) => *index == 0 || repeats,
             // Without inertia nothing keeps tissue that is pressed ever further from an equilibrium that is not the right one.
-            Try::Stand | Try::LetGo | Try::Rest => self.containment && self.method.has_inertia(),
+            Try::Stand | Try::LetGo => self.containment && self.method.has_inertia(),
         };
         let tries = TRIES.into_iter().enumerate().filter(is_tried);
         let tries: Vec<Try> = tries.map(|(_, of)| of).collect();
@@ -154,20 +150,15 @@ impl Scene {
         let mut augmented_lagrangian = false;
         let count_of = |index: usize, division: &Division, steps: u32| match tries[index] {
             Try::Follow(factor) => division.count().saturating_mul(factor),
-            Try::Stand | Try::LetGo | Try::Rest => steps,
+            Try::Stand | Try::LetGo => steps,
         };
         let mut index = 0;
         while let Some(&this) = tries.get(index) {
             let count = count_of(index, &division, steps);
             let pace = match this {
                 Try::Follow(_) => pace,
-                Try::Stand | Try::LetGo | Try::Rest => 0.0,
+                Try::Stand | Try::LetGo => 0.0,
             };
-            if this == Try::Rest {
-                budget.begin_last_try();
-                let velocities = self.state.bodies.iter_mut().map(|of| &mut of.velocities);
-                velocities.for_each(|of| of.fill(Vector3::zeros()));
-            }
             let effort = match this {
                 Try::Follow(_) if index > 0 => Effort {
                     iterations: REPEATED_EFFORT,
@@ -180,13 +171,16 @@ impl Scene {
             let touches = |motion: &&ToolMotion| match this {
                 Try::Follow(_) => true,
                 Try::Stand => !jumped.contains(&motion.tool),
-                Try::LetGo | Try::Rest => false,
+                Try::LetGo => false,
             };
             let moved: Vec<ToolMotion> = motions.iter().filter(touches).copied().collect();
-            let mut course = Course::new(&moved, &self.state.placements, pace);
+            let mut course = match this {
+                Try::LetGo => Course::let_go(),
+                Try::Follow(_) | Try::Stand => Course::new(&moved, &self.state.placements, pace),
+            };
             let divided = match this {
                 Try::Follow(factor) => division.divided(factor),
-                Try::Stand | Try::LetGo | Try::Rest => Division::even(steps),
+                Try::Stand | Try::LetGo => Division::even(steps),
             };
             match self.attempt(&mut course, tick_s, steps, &divided, &mut budget, exec) {
                 Ok(Attempted {
@@ -195,12 +189,7 @@ impl Scene {
                     solver,
                     overlaps_undone,
                 }) => {
-                    let valid = self.is_meaningful(&solver, &contacts)
-                        && match this {
-                            Try::Follow(_) => true,
-                            Try::Stand => !self.exceeds_hand(&contacts),
-                            Try::LetGo | Try::Rest => false,
-                        };
+                    let valid = this != Try::LetGo && self.is_meaningful(&solver, &contacts);
                     if !valid && rounds > 0 && index < follows {
                         let shreds = self.failing_shreds();
                         if !shreds.is_empty() && budget.allows(count) {
@@ -232,7 +221,7 @@ impl Scene {
                     course.store(placements);
                     match this {
                         Try::Follow(_) => placements.speed_up(),
-                        Try::Stand | Try::LetGo | Try::Rest => placements.slow_down(),
+                        Try::Stand | Try::LetGo => placements.slow_down(),
                     }
                     self.update_windows(&mut contacts, tick_s, valid);
                     let (start_bodies, moved) = (&start.bodies, course.motions());

@@ -81,14 +81,6 @@ impl Scene {
             && (solver.unconverged == 0 || !jumps())
     }
 
-    /// Whether a tool that stands pushes harder than a hand does. One that follows its hand is stopped before that, one that stands stays where it was, whatever tissue does.
-    pub(crate) fn exceeds_hand(&self, contacts: &[ContactReport]) -> bool {
-        let mut tools = self.pair_reports(contacts);
-        tools.any(|(_, found)| {
-            matches!(found.with, ContactPartner::Tool(_)) && found.peak_force_n > self.hand_force
-        })
-    }
-
     /// Adds the forces of a tick of `length` \[s\] to the windows of their pairs, unless they mean nothing, and writes the means over these windows
     /// into the reports.
     pub(crate) fn update_windows(

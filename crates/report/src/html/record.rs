@@ -312,11 +312,11 @@ fn computation(out: &mut String, report: &Report) {
         (solver.tools_stood > 0).then(|| {
             bilingual(
                 &format!(
-                    "In {} Schritten blieben die Instrumente, wo sie waren: Wohin die Hand sie führte, ließ das Gewebe sich nicht berechnen.",
+                    "In {} Schritten blieben die Instrumente, wo sie waren, oder berührten nichts: Wohin die Hand sie führte, ließ das Gewebe sich nicht berechnen.",
                     solver.tools_stood
                 ),
                 &format!(
-                    "In {} ticks the instruments stayed where they were: where the hand led them the tissue could not be computed.",
+                    "In {} ticks the instruments stayed where they were or touched nothing: where the hand led them the tissue could not be computed.",
                     solver.tools_stood
                 ),
             )
