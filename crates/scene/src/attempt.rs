@@ -69,6 +69,9 @@ impl Scene {
                 watch.is_held();
             }
         }
+        if course.is_let_go {
+            watches.iter_mut().for_each(Watch::lets_go);
+        }
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];
         let mut longest_steps = vec![None; self.groups.len()];
@@ -186,10 +189,11 @@ impl Scene {
         }
         self.relocate();
         let end = self.state.time + tick_s;
-        let mut halvings = vec![if course.is_let_go { HALVINGS } else { 0 }; self.groups.len()];
+        // Energy that grows in explicit steps is that of steps that are too long.
+        let may_halve = course.is_let_go && !self.method.is_explicit();
+        let mut halvings = vec![if may_halve { HALVINGS } else { 0 }; self.groups.len()];
         while let Some((body, what)) = self.first_diverged(&watches, &start, end) {
-            let of = |group: &Group| group.members.iter().any(|member| member.body == body);
-            let group = self.groups.iter().position(of);
+            let group = self.groups.iter().position(|of| of.holds(body));
             let Some(group) = group.filter(|group| halvings[*group] > 0) else {
                 let step = division.count();
                 return Err(Failure { body, step, what });

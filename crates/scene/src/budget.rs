@@ -3,9 +3,9 @@
 //! Its unit is the nominal second of `microsim_tissue::StepReport::work`. A tick makes as many sub-steps for fast tools as fit with an iteration each in
 //! four fifths of the first half, each step has an even part of what is left of it, and a repetition has the other half too and begins only where its least work fits. Where iterations take more than
 //! was foreseen, as contacts become many in the motion, the tools stop before what is left of the solver's steps, with an iteration each, would not fit any more, and each of these is made undivided. What has to be computed in any
-//! case is computed: an iteration of each of these, whatever contact makes of it, and the tries with tools that stand. By so much a tick may exceed its budget.
+//! case is computed: an iteration of each of these, whatever contact makes of it, and one of each step of the tries with tools that stand or touch nothing, which have more where the budget has. By so much a tick may exceed its budget.
 
-/// The part of a budget that is left for repetitions of a tick whose forces mean nothing: without it they would mean nothing in every tick that is hard to solve.
+/// The part of a budget that is left for repetitions of a tick that diverges or whose forces mean nothing: without it they would mean nothing in every tick that is hard to solve.
 const RESERVE: f64 = 0.5;
 
 /// The part of the rest that sub-steps for fast tools may take with an iteration each: what remains is for more of these.

@@ -263,6 +263,11 @@ impl Group {
         self.members[self.member_of(node)].body
     }
 
+    /// Whether this body is one of it.
+    pub fn holds(&self, body: usize) -> bool {
+        self.members.iter().any(|member| member.body == body)
+    }
+
     /// Takes the states of its bodies out of those of the scene, joined body after body.
     pub fn join(&self, states: &mut [State]) -> State {
         let mut members = self.members.iter();
