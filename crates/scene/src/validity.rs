@@ -3,15 +3,14 @@
 use crate::force_window::WindowTick;
 use crate::report::{ContactPartner, ContactReport, SolverReport};
 use crate::scene::Scene;
+use microsim_tissue::ResidualBounds;
 use nalgebra::Vector3;
 
 /// Up to where the forces of a tick mean something. The bounds of residuals were set before any run was judged by them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverBounds {
-    /// Residual relative to the forces. By default a tenth.
-    pub residual: f64,
-    /// The residual itself \[N\]. By default 1 mN, from which on jaws count as gripping.
-    pub force_residual: f64,
+    /// Of residuals.
+    pub residual: ResidualBounds,
     /// Multiplier residual of contacts, relative to the mean edge length. By default a tenth.
     pub contact_residual: f64,
     /// A force or grip of a tool that is at least this \[N\] and [`jump_ratio`](Self::jump_ratio) times that of the tick before has jumped. By default
@@ -26,8 +25,7 @@ pub struct SolverBounds {
 impl Default for SolverBounds {
     fn default() -> Self {
         Self {
-            residual: 0.1,
-            force_residual: 1e-3,
+            residual: ResidualBounds::default(),
             contact_residual: 0.1,
             jump_force: 0.03,
             jump_ratio: 3.0,
@@ -37,10 +35,9 @@ impl Default for SolverBounds {
 }
 
 impl SolverReport {
-    /// Whether the forces mean something: either residual is within its bound, and no contact is deeper below its floor than its own. Where
-    /// all forces are small the residual relative to them means little, where they are large the residual itself does.
+    /// Whether the forces mean something: the residual is within its bounds, and no contact is deeper below its floor than its own.
     pub fn is_within(&self, bounds: &SolverBounds) -> bool {
-        (self.residual <= bounds.residual || self.force_residual <= bounds.force_residual)
+        bounds.residual.hold(self.residual, self.force_residual)
             && self.contact_residual <= bounds.contact_residual
     }
 }

@@ -128,6 +128,32 @@ impl Clone for Box<dyn Solver> {
     }
 }
 
+/// Up to where the forces of a step mean something: below either of these. Where all forces are small the residual relative to them means
+/// little, where they are large the residual itself does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResidualBounds {
+    /// Residual relative to the forces. By default a tenth.
+    pub relative: f64,
+    /// The residual itself \[N\]. By default 1 mN, from which on jaws count as gripping.
+    pub force: f64,
+}
+
+impl Default for ResidualBounds {
+    fn default() -> Self {
+        Self {
+            relative: 0.1,
+            force: 1e-3,
+        }
+    }
+}
+
+impl ResidualBounds {
+    /// Whether a residual, relative to the forces and itself \[N\], is within them; one that is no number is not.
+    pub fn hold(&self, relative: f64, force: f64) -> bool {
+        relative <= self.relative || force <= self.force
+    }
+}
+
 /// What a step took, and how far it is from the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {

@@ -1,7 +1,9 @@
 //! Steps of time that need not converge, of bodies so small that the interior-point method solves the contacts: a free block in a grip.
 
 use super::*;
-use crate::solver::Effort;
+use crate::newton::NewtonOptions;
+use crate::solver::{Effort, ResidualBounds};
+use crate::solver_implicit::{DistortionOptions, ImplicitScheme, SolverImplicit};
 
 /// A friction that holds the piece, and one that does not: twice the grip of 19 mN, times friction, is 150 and 0.6 times the weight.
 const FRICTION: f64 = 0.5;
@@ -124,6 +126,52 @@ fn contacts_take_no_more_than_the_work_of_an_equation() {
     };
     let (bounded, free) = (work(0.0), work(f64::INFINITY));
     assert!(bounded < free, "{bounded} s, {free} s");
+}
+
+/// Where residuals are beyond their bounds a step of one iteration takes up to as many more as the options have, and they are within them in the end. Without bounds it takes one. The bounds are half of
+/// what is left then at most, so that there are such steps.
+#[test]
+fn a_step_whose_residual_is_beyond_its_bounds_takes_more_iterations() {
+    let h = STEPS[1];
+    let usual = NewtonOptions::default();
+    let steps = |residual: ResidualBounds| {
+        let newton = Newton {
+            iterations: 1,
+            ..early()
+        };
+        let mut options = usual;
+        // Overlaps take more iterations, too.
+        options.contact.overlap = f64::INFINITY;
+        options.contact.residual = residual;
+        let mut world = in_jaws(newton, FRICTION);
+        world.solver = Box::new(SolverImplicit::with_options(
+            &world.model,
+            ImplicitScheme::BackwardEuler,
+            newton,
+            &options,
+            DistortionOptions::default(),
+        ));
+        let steps = 0..(END / h).round() as u32;
+        let reports = steps.map(|step| move_jaws(&mut world, step, h));
+        reports.collect::<Vec<_>>()
+    };
+    let unbounded = ResidualBounds {
+        relative: f64::INFINITY,
+        force: f64::INFINITY,
+    };
+    let free = steps(unbounded);
+    assert!(free.iter().all(|of| of.iterations == 1));
+    let most = |of: fn(&StepReport) -> f64| free.iter().map(of).fold(0.0, f64::max);
+    let bounds = ResidualBounds {
+        relative: 0.5 * most(|of| of.residual),
+        force: 0.5 * most(|of| of.force_residual),
+    };
+    let beyond = |of: &&StepReport| !bounds.hold(of.residual, of.force_residual);
+    assert!(free.iter().filter(beyond).count() > 0);
+    let bounded = steps(bounds);
+    let most = 1 + usual.contact.more_iterations;
+    assert!(bounded.iter().all(|of| of.iterations <= most));
+    assert_eq!(bounded.iter().filter(beyond).count(), 0);
 }
 
 /// The force with which both jaws press against each other \[N\].

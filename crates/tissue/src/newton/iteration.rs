@@ -76,7 +76,8 @@ impl NewtonSolver {
         let mut tangent = Tangent::Exact;
         let (mut least, mut stagnated) = (f64::INFINITY, 0);
         let most = newton.iterations.saturating_mul(self.effort.iterations);
-        while report.iterations < most || self.needs_more(most, report.iterations) {
+        let may_end_early = !newton.must_converge && equation.rate > 0.0;
+        while report.iterations < most || self.needs_more(most, &report, may_end_early) {
             // What must converge fails if it is cut short, and takes more in the end.
             if report.iterations > 0 && self.work >= self.allowed_work {
                 report.is_cut_short = true;
@@ -161,11 +162,18 @@ impl NewtonSolver {
         Ok(report)
     }
 
-    /// Whether overlaps take more iterations than were asked for.
-    fn needs_more(&self, most: u32, iterations: u32) -> bool {
+    /// Whether overlaps, or in a step that `may_end_early` forces that mean nothing, take more iterations than the `most` that were asked for.
+    fn needs_more(&self, most: u32, report: &StepReport, may_end_early: bool) -> bool {
         let options = &self.options.contact;
-        iterations < most.saturating_add(options.more_iterations)
-            && self.contacts.overlap() > options.overlap
+        let means_nothing = || {
+            may_end_early
+                && !self.contacts.is_empty()
+                && !options
+                    .residual
+                    .hold(report.residual, report.force_residual)
+        };
+        report.iterations < most.saturating_add(options.more_iterations)
+            && (self.contacts.overlap() > options.overlap || means_nothing())
     }
 
     /// Makes one iteration from `trial`, whose residual is `residual` relative to the forces: with the matrix asked for in `tangent`, or with

@@ -3,6 +3,7 @@
 //! "Measured" means: chosen by runs of the shipped scenes and of `cargo xtask bench solvers`. Lengths are relative to the mean edge length
 //! of the body, forces to all forces of the equation.
 
+use crate::solver::ResidualBounds;
 use microsim_contact_solver::ContactOptions;
 
 /// How far Newton's method iterates in a step: number of iterations, tolerance.
@@ -101,6 +102,9 @@ pub struct NewtonContactOptions {
     /// Gap tolerance: a larger overlap at the end takes more iterations than were asked for \[mean edge length\]; in 1e-3..0.2. Surfaces
     /// turn in large steps. Measured.
     pub overlap: f64,
+    /// In an early-terminated step of time a larger residual at the end does, too: its forces would mean nothing, and to begin again with
+    /// shorter steps takes more. Where tools tremble it is what the first iterations leave of a surface that has turned.
+    pub residual: ResidualBounds,
     /// So many iterations more.
     pub more_iterations: u32,
     /// How often contacts are found for one equation; at least 1. Then they retain features and normals: features of equal distance could
@@ -162,6 +166,7 @@ impl Default for NewtonOptions {
                 multiplier_tolerances: [1e-5, 1e-3],
                 friction_tolerance: 1e-2,
                 overlap: 0.02,
+                residual: ResidualBounds::default(),
                 more_iterations: 3,
                 searches: 5,
                 early_searches: 4,
