@@ -102,7 +102,7 @@ fn with_limits(level: &str, limits: &str) -> String {
     format!("{kept}\n{limits}")
 }
 
-/// A level whose solver gets nowhere: one iteration for a tick of 48 ms, near the longest that a level may have, and no second try. Levels whose method has no
+/// A level whose solver gets nowhere: one iteration for a tick of 48 ms, near the longest that a level may have, with no second try and the least budget, so that it has no more where it needs more. Levels whose method has no
 /// iterations stay as they are.
 pub fn crippled(level: &str) -> String {
     if !has_iterations(level) {
@@ -111,6 +111,8 @@ pub fn crippled(level: &str) -> String {
     let line = |line: &str| match line.split(" = ").next() {
         Some("tick") => "tick = \"48 ms\"\n".to_owned(),
         Some("iterations") => "iterations = 1\nrepeat_invalid = false\n".to_owned(),
+        Some("[physics]") => "[physics]\nbudget = 0.01\n".to_owned(),
+        Some("budget") => String::new(),
         _ => format!("{line}\n"),
     };
     level.lines().map(line).collect()
