@@ -148,7 +148,7 @@ impl Default for ResidualBounds {
 }
 
 impl ResidualBounds {
-    /// Whether a residual, relative to the forces and itself \[N\], is within them; one that is no number is not.
+    /// Whether a residual, relative to the forces and itself \[N\], is within them; what is no number is within neither.
     pub fn hold(&self, relative: f64, force: f64) -> bool {
         relative <= self.relative || force <= self.force
     }
