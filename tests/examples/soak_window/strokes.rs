@@ -291,8 +291,16 @@ impl Strokes {
                     (before.pose, before.opening) != (after.pose, after.opening)
                 })
             };
-            // The last one first, which steadies or lifts for the other.
-            let moved: Vec<usize> = (0..self.tools.len()).rev().filter(is_moved).collect();
+            // The last one first, which steadies or lifts for the other; what lowers goes after it, as
+            // tissue that is lowered onto an open instrument would be pushed by it.
+            let mut moved: Vec<usize> = (0..self.tools.len()).rev().filter(is_moved).collect();
+            moved.sort_by_key(|&tool| {
+                let height = |time| {
+                    let sample = script.sample(&self.tools[tool], time);
+                    sample.map_or(0.0, |sample| sample.pose.position[2])
+                };
+                height(between[1]) < height(between[0])
+            });
             // What both hands do at once is done in turns.
             let turns = match moved.len() {
                 0 | 1 => 1,
