@@ -154,6 +154,14 @@ impl Renderer {
         self.targets.as_ref().map(|targets| &targets.picture)
     }
 
+    /// Gives up what the last picture was drawn into and what its tissue took; the next picture makes both again. For a time in which nothing is drawn.
+    /// The driver frees them once it has drawn what uses them.
+    pub fn release(&mut self) {
+        self.targets = None;
+        self.bodies = Bodies::default();
+        self.loose.clear();
+    }
+
     /// Whether the last picture is not finished yet. Asks the driver and does not wait.
     ///
     /// # Errors

@@ -160,3 +160,16 @@ fn other_pictures_are_refused() {
         refuse("from another side", &|picture| picture.view.tilt += 0.1);
     }
 }
+
+/// After a release there is no picture, and the next one is the same to the byte: targets, tissue and shapes are made again.
+#[test]
+fn what_is_released_is_drawn_again() {
+    let Some(mut renderer) = renderer() else {
+        return;
+    };
+    let state = state("vessel-two-tools");
+    let before = renderer.draw(&state).expect("it draws");
+    renderer.release();
+    assert!(renderer.texture().is_none() && renderer.read_back().is_err());
+    assert!(renderer.draw(&state).expect("it draws again") == before);
+}

@@ -147,6 +147,12 @@ impl Field {
         Ok((self.shown()?, legend))
     }
 
+    /// Gives up the last picture and what it was drawn with, which [`draw`](Self::draw) makes again: nothing is drawn for a while.
+    pub fn release(&mut self) {
+        self.renderer.release();
+        self.shown = None;
+    }
+
     /// How it is looked at now.
     pub fn sight(&self) -> Sight {
         Sight {

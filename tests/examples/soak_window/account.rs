@@ -99,6 +99,8 @@ impl Watch {
 pub struct Shown {
     pub module: String,
     pub level: u32,
+    /// Its recording.
+    pub session: PathBuf,
     /// Length of a tick \[ms\]: simulated time over ticks.
     pub tick: f64,
     pub values: BTreeMap<String, String>,
@@ -194,6 +196,7 @@ pub fn shown(log: &str, sessions: &BTreeSet<PathBuf>) -> Vec<Shown> {
         let mut run = Shown {
             module: module.clone(),
             level: *level,
+            session: (*path).clone(),
             tick: f64::NAN,
             values: pairs.collect(),
         };

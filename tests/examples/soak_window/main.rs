@@ -153,6 +153,7 @@ fn happen(
             player.focus()?;
             // It waits in a pause.
             player.keys(&["Escape"])?;
+            draw_in_every_quality(player)?;
         }
         Event::FullScreen => {
             player.keys(&["F11"])?;
@@ -197,12 +198,18 @@ fn slot(player: &mut Player<'_>, driver: &Driver, n: usize, level: &Level) -> Re
 /// Draws in every quality once, and comes back to the first: what each needs is compiled with its first picture and stays, which is no growth.
 fn draw_in_all_qualities(player: &mut Player<'_>) -> Result<(), String> {
     let session = player.begin(0, 1)?;
+    draw_in_every_quality(player)?;
+    player.end(&session)?;
+    player.to_modules()
+}
+
+/// The same during a level, once more after the loss of a device: what another one compiles is no growth either.
+fn draw_in_every_quality(player: &mut Player<'_>) -> Result<(), String> {
     for _ in 0..3 {
         player.keys(&["F2"])?;
         player.wait(4.0);
     }
-    player.end(&session)?;
-    player.to_modules()
+    Ok(())
 }
 
 fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
@@ -299,6 +306,14 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     soak.faults.extend(account::panics(&log));
     let played: BTreeSet<PathBuf> = sessions.difference(&before).cloned().collect();
     soak.shown = account::shown(&log, &played);
+    // For whoever asks why ticks were late.
+    for run in soak.shown.iter().filter(|run| page::is_late(run)) {
+        let copy = std::env::temp_dir().join(run.session.file_name().unwrap_or_default());
+        match fs::copy(&run.session, &copy) {
+            Ok(_) => eprintln!("late ticks: {}", copy.display()),
+            Err(why) => eprintln!("late ticks: {}: {why}", copy.display()),
+        }
+    }
     soak.sessions = sessions.len();
     let mut random = SplitMix64(seed);
     for session in &sessions {

@@ -26,6 +26,24 @@ fn cause(run: &Shown) -> String {
     causes.join(", ")
 }
 
+fn what_happened(event: Event) -> &'static str {
+    match event {
+        Event::Resized => "other sizes",
+        Event::Minimised => "minimised",
+        Event::Unmapped => "unmapped",
+        Event::Scaled => "other scales",
+        Event::DriverLost => "the graphics device lost",
+        Event::FullScreen => "the full screen",
+        Event::BegunAnew => "begun anew",
+        Event::QualityAndPanels => "quality and panels",
+    }
+}
+
+/// Whether a run has more ticks late by more than a tick than may be.
+pub fn is_late(run: &Shown) -> bool {
+    run.number("overdue") > OVERDUE * run.number("ticks")
+}
+
 /// The page, and whether all of it is as it should be.
 pub fn of(soak: &Soak) -> (String, bool) {
     let mut faults = soak.faults.clone();
@@ -110,6 +128,14 @@ pub fn of(soak: &Soak) -> (String, bool) {
             let _ = write!(text, " {p50:.1} | {p99:.1} |");
         }
         text.push('\n');
+    }
+    text += "\n| level | in its middle | resident memory in the launcher after it \\[MB\\] |\n|---|---|---|\n";
+    for ((module, level, event), (_, memory)) in soak.slots.iter().zip(rests) {
+        let _ = writeln!(
+            text,
+            "| {module} {level} | {} | {memory:.0} |",
+            what_happened(*event)
+        );
     }
     text += "\nThe loss of the device is that of a layer below the program (`tests/peers/lost_device/`): it answers as a driver does that was reset, while the driver itself is alive. What a card does that is \
          really reset or unplugged is not tested.\n";

@@ -91,6 +91,9 @@ impl device::Shown for Desk {
             }
         }
         if ran && !self.runs() {
+            if let Some(field) = &mut self.field {
+                field.release();
+            }
             self.giving_back.begin();
         }
         if !self.runs() && self.giving_back.count(self.computes_still()) {
