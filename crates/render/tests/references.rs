@@ -161,7 +161,7 @@ fn other_pictures_are_refused() {
     }
 }
 
-/// After a release there is no picture, and the next one is the same to the byte: targets, tissue and shapes are made again.
+/// After a release there is no picture, and the next one is the same to the byte: targets and tissue are made again.
 #[test]
 fn what_is_released_is_drawn_again() {
     let Some(mut renderer) = renderer() else {

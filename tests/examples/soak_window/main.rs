@@ -195,15 +195,15 @@ fn slot(player: &mut Player<'_>, driver: &Driver, n: usize, level: &Level) -> Re
     }
 }
 
-/// Draws in every quality once, and comes back to the first: what each needs is compiled with its first picture and stays, which is no growth.
-fn draw_in_all_qualities(player: &mut Player<'_>) -> Result<(), String> {
+/// A level in which nothing is measured.
+fn warm_up(player: &mut Player<'_>) -> Result<(), String> {
     let session = player.begin(0, 1)?;
     draw_in_every_quality(player)?;
     player.end(&session)?;
     player.to_modules()
 }
 
-/// The same during a level, once more after the loss of a device: what another one compiles is no growth either.
+/// Draws in every quality once, and comes back to the first: what each needs is compiled with its first picture on a device and stays, which is no growth.
 fn draw_in_every_quality(player: &mut Player<'_>) -> Result<(), String> {
     for _ in 0..3 {
         player.keys(&["F2"])?;
@@ -236,7 +236,7 @@ fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     let mut player = Player::new(&display, seed, &data);
     player.focus()?;
     player.wait(3.0);
-    draw_in_all_qualities(&mut player)?;
+    warm_up(&mut player)?;
 
     let levels = levels();
     let count = ((60.0 * minutes / SLOT).round() as usize).max(1);
