@@ -13,7 +13,7 @@ mod residual;
 
 pub use error::{FromSettingsCause, FromSettingsError};
 
-use crate::spec::{BodySpec, SceneSpec, Selection, ToolSpec};
+use crate::spec::{BodySpec, SceneSpec, Selection, ToolSpec, WorkBudget};
 use error::missing;
 use microsim_settings as settings;
 use settings::KeyPath;
@@ -132,7 +132,7 @@ pub struct LevelParts<'a> {
 /// "#;
 /// let settings = microsim_settings::read_scene(text, "beam.toml", &[])?.settings;
 /// let level = LevelParts {
-///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, broad_phase: settings.run.broad_phase, cell_size: None, tools_touch: false, hand_force: 1.0, budget: 3.0 },
+///     physics: &microsim_settings::Physics { gravity: settings.run.gravity, broad_phase: settings.run.broad_phase, cell_size: None, tools_touch: false, hand_force: 1.0, budget: 3.0, mean_budget: 0.5 },
 ///     method: &settings.method,
 ///     bodies: &settings.body,
 ///     rigid: &[],
@@ -179,7 +179,10 @@ pub fn level_spec(
         broad_phase: contact::broad_phase(level.physics.broad_phase, level.physics.cell_size),
         tools_touch: level.physics.tools_touch,
         hand_force: level.physics.hand_force,
-        budget: Some(level.physics.budget),
+        budget: Some(WorkBudget {
+            tick: level.physics.budget,
+            mean: level.physics.mean_budget,
+        }),
     };
     Ok(Described { spec, notes })
 }

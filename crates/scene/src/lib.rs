@@ -141,7 +141,7 @@ pub use scene::Scene;
 pub use spec::{
     BodySpec, BoxSpec, CapsuleSpec, ClampSpec, ContactSpec, CouplingKind, CouplingSpec, CutSpec,
     CutTrigger, Grip, IrrigationSpec, Jaw, LoadKind, LoadSpec, LumenSpec, MotionKey, MotionSpec,
-    ObstacleSpec, PartnerSpec, SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec,
+    ObstacleSpec, PartnerSpec, SceneSpec, Selection, StartSpec, ToolKeySpec, ToolSpec, WorkBudget,
 };
 pub use stress::{cauchy_stresses, green_strains, largest_stretches, von_mises};
 pub use stretch_guard::TOO_LONG;

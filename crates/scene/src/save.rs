@@ -24,7 +24,7 @@ use microsim_tissue::State;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 12;
+const VERSION: u32 = 13;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,6 +97,7 @@ impl Scene {
         put_u32(&mut bytes, VERSION);
         put_f64(&mut bytes, self.state.time);
         put_u32(&mut bytes, u32::from(self.state.doubtful));
+        put_f64(&mut bytes, self.state.overspent);
         put_u32(&mut bytes, self.state.windows.len() as u32);
         for window in &self.state.windows {
             put_u32(&mut bytes, window.ticks.len() as u32);
@@ -174,6 +175,7 @@ impl Scene {
         }
         let time = reader.f64()?;
         let doubtful = reader.bool()?;
+        let overspent = reader.f64()?;
         reader.expect(self.pairs.len())?;
         let windows = self.pairs.iter().map(|_| reader.window());
         let windows = windows.collect::<Result<_, _>>()?;
@@ -285,6 +287,7 @@ impl Scene {
             windows,
             placements,
             doubtful,
+            overspent,
             time,
         };
         self.relocate();

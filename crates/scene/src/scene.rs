@@ -11,7 +11,7 @@ use crate::lonor::BladeState;
 use crate::pairs::{Obstacle, Pair, PairPartner, find_obstacles, find_pairs};
 use crate::placement::Placements;
 use crate::report::ContactPartner;
-use crate::spec::{BodySpec, ContactResponse, ContactSpec, PartnerSpec, SceneSpec};
+use crate::spec::{BodySpec, ContactResponse, ContactSpec, PartnerSpec, SceneSpec, WorkBudget};
 use crate::state::SceneState;
 use crate::tool::{Tool, ToolMotion};
 use microsim_contact::ObstaclePart;
@@ -40,7 +40,7 @@ pub struct Scene {
     pub(crate) repeat_unconverged: bool,
     pub(crate) tools_touch: bool,
     pub(crate) hand_force: f64,
-    pub(crate) budget: Option<f64>,
+    pub(crate) budget: Option<WorkBudget>,
     pub(crate) state: SceneState,
 }
 
@@ -112,6 +112,7 @@ impl Scene {
             windows: vec![ForceWindow::default(); pairs.len()],
             placements: Placements::new(tools.len()),
             doubtful: false,
+            overspent: 0.0,
             time: 0.0,
         };
         let is_cut = bodies.iter().any(|body| body.topology.is_some());
@@ -160,6 +161,7 @@ impl Scene {
         windows.for_each(|window| window.ticks.clear());
         self.state.placements = Placements::new(self.tools.len());
         self.state.doubtful = false;
+        self.state.overspent = 0.0;
         self.state.time = 0.0;
     }
 

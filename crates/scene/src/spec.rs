@@ -38,9 +38,18 @@ pub struct SceneSpec {
     pub tools_touch: bool,
     /// The largest force with which a hand pushes a tool against what it touches \[N\]; any if infinite.
     pub hand_force: f64,
-    /// The work that a tick may take over its length, by the count of its operations ([`TickReport::work`](crate::TickReport::work)), above 0; any if
-    /// `None`. What does not fit is left to the next tick.
-    pub budget: Option<f64>,
+    /// The work that ticks may take; any if `None`. What does not fit is left to the next tick.
+    pub budget: Option<WorkBudget>,
+}
+
+/// The work that ticks may take over their length, by the count of its operations ([`TickReport::work`](crate::TickReport::work)): a token bucket, as networks limit
+/// bursts and their mean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkBudget {
+    /// Of one tick at most; above 0.
+    pub tick: f64,
+    /// Of ticks that follow each other, in their mean; above 0, any if infinite. Where they take more for long, the next ones may take less.
+    pub mean: f64,
 }
 
 impl SceneSpec {

@@ -23,6 +23,8 @@ pub(crate) struct SceneState {
     pub placements: Placements,
     /// Whether the last tick was not valid.
     pub doubtful: bool,
+    /// The work of the ticks so far beyond their mean budget that the next ones have to make up for \[s\].
+    pub overspent: f64,
     /// Simulated time \[s\].
     pub time: f64,
 }

@@ -111,7 +111,8 @@ impl Scene {
         let groups = self.groups.iter().zip(&self.state.contacts);
         let least = groups.map(|(group, of)| group.least_work(&self.bodies, of.forces.len()));
         let least: f64 = least.sum();
-        let mut budget = Budget::new(self.budget.map(|part| part * tick_s), least);
+        let overspent = self.state.overspent;
+        let mut budget = Budget::new(self.budget.map(|of| of.left(tick_s, overspent)), least);
         // The cast saturates.
         let mut division = self.division(&parts, tick_s, [steps, needed.ceil() as u32]);
         let mut reach = 1.0;
@@ -216,6 +217,7 @@ impl Scene {
                         continue;
                     }
                     self.state.doubtful = !valid;
+                    self.spend(tick_s, budget.spent);
                     budget.is_exceeded |= solver.cut_short > 0;
                     let placements = &mut self.state.placements;
                     course.store(placements);
@@ -298,6 +300,7 @@ impl Scene {
                     })
                     .collect();
                 let diverged = self.diverged(start, failure, step_s);
+                self.spend(tick_s, budget.spent);
                 Err(Diverged {
                     cuts,
                     repetitions,
@@ -306,6 +309,13 @@ impl Scene {
                 })
             }
             None => unreachable!("there is at least one try, and each returns or fails"),
+        }
+    }
+
+    /// Adds the work of a tick \[s\] to what its successors have to make up for.
+    fn spend(&mut self, tick_s: f64, work: f64) {
+        if let Some(budget) = self.budget {
+            self.state.overspent = budget.overspent(tick_s, self.state.overspent, work);
         }
     }
 

@@ -372,6 +372,8 @@ table! {
         /// The work that a tick may take over its length, counted in operations of a core of a usual kind; half of it is for repetitions. What does not fit is left to the next tick: tools
         /// follow the hand as far as it goes.
         budget: f64 = quantity(Unit::Ratio, 0.01, 1000.0) => 3.0,
+        /// The work that ticks may take over their length in their mean: what they take more for long, the next ones may take less.
+        mean_budget: f64 = quantity(Unit::Ratio, 0.01, 1000.0) => 0.5,
     }
 }
 

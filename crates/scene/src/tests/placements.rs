@@ -329,12 +329,20 @@ fn a_hand_pushes_no_harder_than_it_does() {
     assert!(largest > 2.0 * most && never == f64::INFINITY, "{largest}");
 }
 
+/// The budget of a tick that may take so much \[s\], with any mean.
+fn budget(work: f64) -> WorkBudget {
+    WorkBudget {
+        tick: work / TICK,
+        mean: f64::INFINITY,
+    }
+}
+
 /// A tool that is too fast for the budget of a tick is followed as far as that goes, and arrives at its target.
 #[test]
 fn a_fast_tool_is_followed_within_the_budget() {
     let mut spec = gripped();
     // Of steps that take a third of a millisecond, as the block has 288 elements, at most two in four fifths of half of it.
-    spec.budget = Some(2e-3 / TICK);
+    spec.budget = Some(budget(2e-3));
     let mut scene = Scene::new(&spec).unwrap();
     let place = |y: f64| at(y, [0.6; 2]).to;
     let motion = |from: f64, to: f64| ToolMotion {
@@ -380,7 +388,7 @@ fn a_slowed_tool_takes_substeps_for_its_part_of_the_motion() {
 /// Jaws that are pushed over the block in one tick, in a scene with such a budget \[s\].
 fn pushed_over(work: f64, must_converge: bool) -> (Scene, ToolMotion) {
     let mut spec = gripped();
-    spec.budget = Some(work / TICK);
+    spec.budget = Some(budget(work));
     let Method::QuasiStatic(newton) = &mut spec.method else {
         panic!("{}", spec.method.name());
     };
@@ -426,6 +434,39 @@ fn tools_stop_where_the_work_exceeds_the_budget() {
         scene.tick(&[rests], TICK, 1, &Serial).unwrap();
     }
     assert_eq!(place(&scene).pose.position.y, end);
+}
+
+/// Jaws that go to and fro over the block without a rest take the work of a tick in one tick after the other, and with a mean budget no more than that in the mean, but for
+/// the burst and a tick that may take its whole budget.
+#[test]
+fn jaws_that_never_rest_take_the_mean_budget() {
+    const TICKS: u32 = 160;
+    const WORK: f64 = 8e-3;
+    const MEAN: f64 = 1e-3;
+    const BURST: f64 = 0.1;
+    let work = |mean: f64| {
+        let (mut scene, there) = pushed_over(WORK, false);
+        scene.budget = Some(WorkBudget {
+            mean: mean / TICK,
+            ..budget(WORK)
+        });
+        let there = ToolMotion {
+            to: at(0.5e-3, [0.18; 2]).to,
+            ..there
+        };
+        let back = ToolMotion {
+            from: there.to,
+            to: there.from,
+            ..there
+        };
+        let motions = [there, back].into_iter().cycle().take(TICKS as usize);
+        let ticks = motions.map(|motion| scene.tick(&[motion], TICK, 1, &Serial).unwrap());
+        ticks.map(|of| of.work).sum::<f64>() / f64::from(TICKS)
+    };
+    let most = MEAN + (BURST + WORK) / f64::from(TICKS);
+    let (free, bound) = (work(f64::INFINITY), work(MEAN));
+    assert!(free > 1.5 * most, "{free} s");
+    assert!(bound <= most, "{bound} s");
 }
 
 /// A step that must converge takes what it needs, so it is no reason to stop.

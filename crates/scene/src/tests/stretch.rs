@@ -274,7 +274,10 @@ fn a_tick_is_not_repeated_in_shorter_steps_beyond_the_budget() {
         "{free:?}"
     );
     // A step that is too long is so by a third at least.
-    spec.budget = Some(1.2 * least / tick);
+    spec.budget = Some(WorkBudget {
+        tick: 1.2 * least / tick,
+        mean: f64::INFINITY,
+    });
     let (bound, _) = run(&spec);
     assert_eq!(bound[0], (true, true), "{bound:?}");
 }
