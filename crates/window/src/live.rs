@@ -18,7 +18,7 @@ use microsim_message::{
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The newest state of a run.
 #[derive(Clone, Debug)]
@@ -33,6 +33,9 @@ pub struct Snapshot {
     messages: Messages,
     blocks: Vec<Block>,
 }
+
+/// For so long no picture begins while ticks are overdue.
+const LONGEST_WAIT: Duration = Duration::from_millis(500);
 
 /// Kinds of messages of which a screen shows the latest.
 pub const SHOWN: [&str; 5] = [
@@ -82,6 +85,10 @@ struct Wishes {
 /// What both threads see.
 #[derive(Default)]
 struct Exchange {
+    /// When the newest snapshot was taken to be drawn.
+    taken: Mutex<Option<Instant>>,
+    /// Whether the last tick began late by more than a tick.
+    is_overdue: AtomicBool,
     wishes: Mutex<Wishes>,
     /// What gamepads and SpaceMice move: asked with each tick, so that it does not depend on pictures.
     steering: Mutex<Option<Steering>>,
@@ -97,6 +104,16 @@ struct Exchange {
     stop: AtomicBool,
     /// Whether snapshots have what pictures of the computation show.
     shows_fields: AtomicBool,
+}
+
+impl Exchange {
+    /// Whether a picture may begin. A software driver draws on the cores that compute: while ticks are overdue they have these for themselves, but for a picture now and then.
+    fn draws(&self) -> bool {
+        let waits = |at: Instant| at.elapsed() < LONGEST_WAIT;
+        !self.is_overdue.load(Ordering::Relaxed)
+            || self.is_paused.load(Ordering::Relaxed)
+            || !lock(&self.taken).is_some_and(waits)
+    }
 }
 
 /// A panic of the other thread leaves data that can be read all the same.
@@ -145,9 +162,15 @@ impl Live {
         })
     }
 
-    /// The newest snapshot, if there is one that was not taken yet.
+    /// The newest snapshot, if there is one that was not taken yet and ticks leave time for a picture.
     pub fn take(&self) -> Option<Snapshot> {
-        lock(&self.exchange.latest).take()
+        let has_ended = self.thread.as_ref().is_none_or(JoinHandle::is_finished);
+        if !has_ended && !self.exchange.draws() {
+            return None;
+        }
+        let newest = lock(&self.exchange.latest).take()?;
+        *lock(&self.exchange.taken) = Some(Instant::now());
+        Some(newest)
     }
 
     /// How well it follows the wall clock.
@@ -327,25 +350,49 @@ impl Operator for Seat<'_> {
         drop(tones);
         // Ticks are counted from 0, and the time is that of their end.
         let length = seen.time / (seen.tick + 1) as f64;
-        pace.add_tick(length, seen.lateness, seen.duration);
+        let is_overdue = pace.add_tick(length, seen.lateness, seen.duration);
         pace.late = seen.late_ticks;
         if let Some(solver) = solver {
             pace.unconverged += u64::from(solver.unconverged > 0);
             pace.held += u64::from(!solver.valid);
         }
         drop(pace);
-        self.exchange.has_first_tick.store(true, Ordering::Relaxed);
+        let exchange = self.exchange;
+        exchange.is_overdue.store(is_overdue, Ordering::Relaxed);
+        exchange.has_first_tick.store(true, Ordering::Relaxed);
         let mut blocks = seen.blocks();
-        if self.exchange.shows_fields.load(Ordering::Relaxed) {
+        if exchange.shows_fields.load(Ordering::Relaxed) {
             blocks.extend(seen.fields());
         }
-        *lock(&self.exchange.latest) = Some(Snapshot {
+        *lock(&exchange.latest) = Some(Snapshot {
             tick: seen.tick,
             time: seen.time,
             finished: Instant::now(),
             messages: self.messages.clone(),
             blocks,
         });
-        (self.wake)();
+        if exchange.draws() {
+            (self.wake)();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// While ticks are overdue a picture begins only where none has for long, or nothing is computed.
+    #[test]
+    fn overdue_ticks_go_before_pictures() {
+        let exchange = Exchange::default();
+        let taken = |since: Duration| {
+            *lock(&exchange.taken) = Instant::now().checked_sub(since);
+            exchange.draws()
+        };
+        assert!(exchange.draws() && taken(Duration::ZERO));
+        exchange.is_overdue.store(true, Ordering::Relaxed);
+        assert!(!taken(Duration::ZERO) && taken(LONGEST_WAIT));
+        exchange.is_paused.store(true, Ordering::Relaxed);
+        assert!(taken(Duration::ZERO));
     }
 }

@@ -63,15 +63,17 @@ pub struct Samples {
 }
 
 impl Pace {
-    /// Takes a tick of this length that began so much later than its time, and how long it took \[s\].
-    pub fn add_tick(&mut self, length: f64, lateness: f64, duration: f64) {
+    /// Takes a tick of this length that began so much later than its time, and how long it took \[s\]. Whether it was overdue.
+    pub fn add_tick(&mut self, length: f64, lateness: f64, duration: f64) -> bool {
         self.lags &= lateness > 0.0;
-        if lateness > length {
+        let is_overdue = lateness > length;
+        if is_overdue {
             self.overdue += 1;
             self.overdue_by_work += u64::from(self.lags);
         }
         self.lags |= duration > length;
         self.ticks.push(duration);
+        is_overdue
     }
 
     /// Takes what a live source states of a tick.
