@@ -16,7 +16,7 @@ const RESERVE: f64 = 0.5;
 /// The part of the rest that sub-steps for fast tools may take with an iteration each: what remains is for more of these.
 const FAST_PART: f64 = 0.8;
 
-/// Work beyond the mean budget that bounds no tick yet \[s\]. Measured: with half of it the short contacts of trembling hands that are hard to solve have so many ticks without meaning that runs have no
+/// Work beyond the mean budget that bounds no tick yet \[s\]. A judgement, from single runs of violent and trembling hands: with half of it the short contacts of trembling hands that are hard to solve have so many ticks without meaning that runs have no
 /// verdict, and with more a violent hand is late for longer.
 const BURST: f64 = 0.1;
 
