@@ -145,17 +145,42 @@ fn rest_volume(body: &Body, element: u32) -> f64 {
     microsim_geometry::signed_volume(&a, &b, &c, &d)
 }
 
+/// What a face takes of an element beside it.
+struct Side {
+    /// At rest \[m³\].
+    volume: f64,
+    /// The strain that it bears, if it is limited.
+    limit: Option<f64>,
+    is_shred: bool,
+    /// From the natural state; `None` without volume at rest.
+    gradient: Option<Matrix3<f64>>,
+}
+
+impl Side {
+    fn new(body: &Body, topology: &Topology, positions: &[Vector3<f64>], element: u32) -> Self {
+        Self {
+            volume: rest_volume(body, element),
+            limit: limit_of(body, element),
+            is_shred: is_shred(body, topology, element),
+            gradient: deformation_gradient(body, positions, element),
+        }
+    }
+}
+
 /// The inner faces that fail: element and the corner opposite.
 fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
     let Some(topology) = of_what_can_tear(body) else {
         return Vec::new();
     };
+    let elements = 0..body.mesh.tets.len() as u32;
+    let side = |element| Side::new(body, topology, positions, element);
+    let sides: Vec<Side> = elements.clone().map(side).collect();
     let mut found: Vec<(f64, u32, u8)> = Vec::new();
-    for element in 0..body.mesh.tets.len() as u32 {
-        if is_shred(body, topology, element) {
+    for element in elements {
+        let own = &sides[element as usize];
+        if own.is_shred {
             continue;
         }
-        let own = limit_of(body, element);
         for corner in 0..4 {
             let Some(other) = topology.neighbour(element, corner) else {
                 continue;
@@ -164,18 +189,18 @@ fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
             if topology.sheet(element, corner) != 0 {
                 continue;
             }
-            let limit = [own, limit_of(body, other)].into_iter().flatten();
-            let first = element < other && !is_shred(body, topology, other);
+            let beside = &sides[other as usize];
+            let limit = [own.limit, beside.limit].into_iter().flatten();
+            let first = element < other && !beside.is_shred;
             let (Some(limit), true) = (limit.reduce(f64::min), first) else {
                 continue;
             };
             let normal = normal(topology, &body.mesh.positions, element, corner);
-            let sides = [element, other].map(|e| {
-                let volume = rest_volume(body, e);
-                let stretch = stretch(body, positions, e, &normal);
-                (volume, volume * (stretch * stretch))
+            let [one, two] = [(element, own), (other, beside)].map(|(element, side)| {
+                let stretch = stretch(body, side, element, &normal);
+                side.volume * (stretch * stretch)
             });
-            let (volume, sum) = (sides[0].0 + sides[1].0, sides[0].1 + sides[1].1);
+            let (volume, sum) = (own.volume + beside.volume, one + two);
             let excess = (sum / volume).sqrt() - 1.0 - limit;
             if excess > 0.0 {
                 found.push((excess, element, corner as u8));
@@ -201,12 +226,12 @@ fn normal(topology: &Topology, rest: &[Vector3<f64>], element: u32, corner: usiz
 }
 
 /// The stretch of an element's fibre that is along the normal of a face in the natural state, 1 there; `normal` is that of the mesh.
-fn stretch(body: &Body, positions: &[Vector3<f64>], element: u32, normal: &Vector3<f64>) -> f64 {
-    let gradient = deformation_gradient(body, positions, element);
+fn stretch(body: &Body, side: &Side, element: u32, normal: &Vector3<f64>) -> f64 {
     let natural = match body.mesh.prestretches.get(element as usize) {
         None => *normal,
         Some(prestretch) => prestretch.tr_mul(normal).normalize(),
     };
+    let gradient = side.gradient;
     gradient.map_or(1.0, |gradient| (gradient * natural).norm())
 }
 

@@ -24,8 +24,8 @@
 //! 1. `crates/tissue/src/law/NAME.rs`: a unit struct, documented with Ψ(F), source and limitations, that implements [`Law`], and
 //!    [`IsotropicLaw`] unless it has a direction. A law of μ and λ alone has [`Lame`] for its constants and `()` for its parameters; any
 //!    other has types of its own that implement [`Constants`] and [`Parameters`]. The derivatives of Ψ = a(tr FᵀF) + b(J) are in
-//!    `law/invariants.rs`, a logarithm of J that stays finite in `law/volume.rs`, `nearest_positive` for
-//!    [`positive_tangent`](Law::positive_tangent) in `law/isotropic.rs`. Transcendental functions are those of the `libm` crate, so that
+//!    `law/invariants.rs`, a logarithm of J that stays finite in `law/volume.rs`, what is positive of a tangent in principal axes in
+//!    `law/principal.rs`. Transcendental functions are those of the `libm` crate, so that
 //!    every machine gives the same bits.
 //! 2. In the same file tests: `contract::check_isotropic::<NAME>()` (`contract::check` with a direction), and closed forms.
 //! 3. `law.rs`: the module and its `pub use`; `law/choice.rs`: a line in the list `laws!`.
@@ -61,6 +61,7 @@ mod volume;
 
 pub use choice::MaterialLaw;
 pub(crate) use choice::with_law;
+pub(crate) use constants::FourFamilies;
 pub use constants::{Constants, Parameters};
 pub use corotational::Corotational;
 pub use definition::Law;

@@ -13,9 +13,7 @@ use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent, rest_stiffness, set_norms,
 };
-use crate::lanes::{
-    FourTangents, FourVectors, LANES, Lanes, matrix_of, put_tangent, set_vector, tangent_of,
-};
+use crate::lanes::{FourTangents, FourVectors, LANES, Lanes, matrix_of, set_vector, tangent_of};
 use crate::law::decomposition::SignedSvd;
 use crate::law::{Constants, Lame, Law, viscosity};
 use crate::number::columns;
@@ -84,7 +82,7 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
 
     /// The fibre directions of four domains, if the law has any.
     #[inline(always)]
-    fn directions_of_four(&self, first: usize) -> [FourVectors; FAMILIES] {
+    pub(super) fn directions_of_four(&self, first: usize) -> [FourVectors; FAMILIES] {
         match L::Constants::DIRECTIONS {
             0 => NO_DIRECTIONS,
             _ => self.domains.directions_of_four(first),
@@ -231,10 +229,10 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
                     }
                     Tangent::Positive => {
                         let f = [0, 1, 2, 3].map(|lane| matrix_of(&f, lane));
-                        for (lane, f) in SignedSvd::of_four(&f).iter().enumerate() {
-                            let constants = self.constants(last.min(first + lane));
-                            put_tangent(tangents, lane, &L::positive_tangent(f, &constants));
-                        }
+                        let constants =
+                            [0, 1, 2, 3].map(|lane| self.constants(last.min(first + lane)));
+                        let f = SignedSvd::of_four(&f);
+                        L::set_positive_tangents_of_four(&f, &constants, tangents);
                     }
                 }
                 if viscous_time > 0.0 {

@@ -12,9 +12,10 @@ use super::splice::{Blend, Inherited};
 use crate::elements::{
     Configuration, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow, Tangent,
 };
-use crate::lanes::put_tangent;
+use crate::lanes::{FourTangents, LANES, Lanes, matrix_of, put_tangent, set_matrix};
 use crate::law::decomposition::SignedSvd;
-use crate::law::{Constants, Law, Matrix9, viscosity};
+use crate::law::{Constants, FourFamilies, Law, viscosity};
+use crate::number::{Columns, Columns9, Number, columns_of};
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::ops::Range;
@@ -46,32 +47,51 @@ impl<L: Law, D: Domains> PlasticSet<L, D> {
     }
 
     #[inline(always)]
+    fn families_of_four(&self, first: usize) -> Option<FourFamilies> {
+        let directions = self.elastic.directions_of_four(first);
+        self.elastic.constants.families_of_four(&directions)
+    }
+
+    #[inline(always)]
     fn gradient(&self, element: usize, positions: &[Vector3<f64>]) -> Matrix3<f64> {
         self.elastic.domains.deformation(element, positions)
     }
 }
 
-/// ∂P/∂F of P = g P_e(F F_p⁻¹) F_p⁻ᵀ from the tangent of the law: Σ F_p⁻¹_jm T_imkn F_p⁻¹_nl, times g.
-fn pulled_back(tangent: &Matrix9, state: &PlasticState) -> Matrix9 {
-    let inverse = &state.inverse;
-    let mut half = Matrix9::zeros();
-    for (j, m) in (0..9).map(|q| (q % 3, q / 3)) {
-        let factor = inverse[(j, m)] * state.stiffening;
-        for column in 0..9 {
+/// ∂P/∂F of P = g P_e(F F_p⁻¹) F_p⁻ᵀ from the tangent of the law: Σ F_p⁻¹_jm T_imkn F_p⁻¹_nl, times g. Of one element or of four.
+#[inline(always)]
+fn pull_back<N: Number>(tangent: &mut Columns9<N>, inverse: &Columns<N>, stiffening: N) {
+    let mut half = [[N::of(0.0); 9]; 9];
+    for (half, column) in half.iter_mut().zip(&*tangent) {
+        for (j, m) in (0..9).map(|q| (q % 3, q / 3)) {
+            let factor = inverse[m][j] * stiffening;
             for i in 0..3 {
-                half[(i + 3 * j, column)] += factor * tangent[(i + 3 * m, column)];
+                half[i + 3 * j] = half[i + 3 * j] + factor * column[i + 3 * m];
             }
         }
     }
-    let mut all = Matrix9::zeros();
-    for (l, n) in (0..9).map(|q| (q % 3, q / 3)) {
-        for k in 0..3 {
-            for row in 0..9 {
-                all[(row, k + 3 * l)] += half[(row, k + 3 * n)] * inverse[(n, l)];
+    for (k, l) in (0..9).map(|q| (q % 3, q / 3)) {
+        let mut column = [N::of(0.0); 9];
+        for n in 0..3 {
+            for (entry, half) in column.iter_mut().zip(&half[k + 3 * n]) {
+                *entry = *entry + *half * inverse[l][n];
             }
         }
+        tangent[k + 3 * l] = column;
     }
-    all
+}
+
+/// Those of four elements.
+///
+/// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers.
+#[inline(never)]
+fn pull_four_back(tangents: &mut FourTangents, states: &[PlasticState; LANES]) {
+    let mut inverses = [[Lanes::splat(0.0); 3]; 3];
+    for (lane, state) in states.iter().enumerate() {
+        set_matrix(&mut inverses, lane, &state.inverse);
+    }
+    let stiffening = Lanes(states.map(|state| state.stiffening));
+    pull_back(tangents, &inverses, stiffening);
 }
 
 impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
@@ -105,17 +125,28 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
     }
 
     fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
-        let viscous = self.is_viscous();
-        for element in range {
-            let f = self.gradient(element, at.positions);
-            let constants = self.elastic.constants(element);
-            let mut stress = self.state(at.internal, element).stress::<L>(&f, &constants);
-            if viscous {
-                let rate = self.gradient(element, at.velocities);
-                let (elasticity, time) = (constants.elasticity(), self.elastic.relaxation_time);
-                stress += viscosity::stress(&f, &rate, &elasticity, time);
+        let domains = &self.elastic.domains;
+        for first in (range.start / LANES * LANES..range.end).step_by(LANES) {
+            let f = domains.deformations_of_four(first, at.positions);
+            let viscous = self.is_viscous().then(|| {
+                let rate = domains.deformations_of_four(first, at.velocities);
+                let lame = self.elastic.constants.elasticity().lame;
+                let families = self.families_of_four(first);
+                viscosity::stress_of(&f, &rate, &lame, &families, self.elastic.relaxation_time)
+            });
+            for lane in 0..LANES {
+                let element = first + lane;
+                if !range.contains(&element) {
+                    continue;
+                }
+                let constants = self.elastic.constants(element);
+                let state = self.state(at.internal, element);
+                let mut stress = state.stress::<L>(&matrix_of(&f, lane), &constants);
+                if let Some(viscous) = &viscous {
+                    stress += matrix_of(viscous, lane);
+                }
+                domains.add_forces(element, &stress, forces);
             }
-            self.elastic.domains.add_forces(element, &stress, forces);
         }
     }
 
@@ -136,8 +167,9 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
             Tangent::Positive => L::positive_tangent(&SignedSvd::new(&elastic), &constants),
         };
         let gradient = |corner| domains.gradient(element, corner);
-        let tangent = pulled_back(&tangent, &state);
-        set_tangent(&tangent, domains.volume(element), gradient, out);
+        let mut tangent = tangent.data.0;
+        pull_back(&mut tangent, &columns_of(&state.inverse), state.stiffening);
+        set_tangent(&tangent.into(), domains.volume(element), gradient, out);
     }
 
     fn add_tangent(
@@ -153,25 +185,31 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
             |first, tangents| {
                 let elements = [0, 1, 2, 3].map(|lane| last.min(first + lane));
                 let states = elements.map(|element| self.state(at.internal, element));
-                let gradients = elements.map(|element| self.gradient(element, at.positions));
-                let elastic = [0, 1, 2, 3].map(|lane| gradients[lane] * states[lane].inverse);
-                let decomposed = match tangent {
-                    Tangent::Exact => None,
-                    Tangent::Positive => Some(SignedSvd::of_four(&elastic)),
-                };
-                for (lane, state) in states.iter().enumerate() {
+                let f = self
+                    .elastic
+                    .domains
+                    .deformations_of_four(first, at.positions);
+                let elastic = [0, 1, 2, 3].map(|lane| matrix_of(&f, lane) * states[lane].inverse);
+                let constants = [0, 1, 2, 3].map(|lane| {
                     let given = self.elastic.constants(elements[lane]);
-                    let constants = state.constants(given);
-                    let one = match &decomposed {
-                        None => L::tangent(&elastic[lane], &constants),
-                        Some(f) => L::positive_tangent(&f[lane], &constants),
-                    };
-                    let mut one = pulled_back(&one, state);
-                    if viscous_time > 0.0 {
-                        let elasticity = given.elasticity();
-                        one += viscosity::tangent(&gradients[lane], &elasticity, viscous_time);
+                    states[lane].constants(given)
+                });
+                match tangent {
+                    Tangent::Exact => {
+                        for (lane, constants) in constants.iter().enumerate() {
+                            put_tangent(tangents, lane, &L::tangent(&elastic[lane], constants));
+                        }
                     }
-                    put_tangent(tangents, lane, &one);
+                    Tangent::Positive => {
+                        let elastic = SignedSvd::of_four(&elastic);
+                        L::set_positive_tangents_of_four(&elastic, &constants, tangents);
+                    }
+                }
+                pull_four_back(tangents, &states);
+                if viscous_time > 0.0 {
+                    let lame = self.elastic.constants.elasticity().lame;
+                    let families = self.families_of_four(first);
+                    viscosity::add_tangent(&f, &lame, &families, viscous_time, tangents);
                 }
             },
             matrix,

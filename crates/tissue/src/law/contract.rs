@@ -2,6 +2,7 @@
 
 use super::decomposition::SignedSvd;
 use super::{Constants, Family, IsotropicLaw, Lame, Law, Matrix9, PrincipalTangent};
+use crate::lanes::{LANES, Lanes, tangent_of};
 use crate::testing::numbers;
 use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
@@ -42,6 +43,7 @@ pub fn check_with<L: Law>(parameters: &L::Parameters) {
         parts::<L>(f, &constants);
         positive_tangent::<L>(f, &constants);
     }
+    four_at_once::<L>(&states, &constants);
     far_states::<L>(&constants);
 }
 
@@ -198,6 +200,18 @@ fn positive_tangent<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
     let above = positive - exact;
     let above = (above + above.transpose()) * 0.5;
     assert!(above.symmetric_eigenvalues().min() > least, "at {f}");
+}
+
+/// Those of four elements at once have the same bits as one after the other.
+fn four_at_once<L: Law>(states: &[Matrix3<f64>], c: &L::Constants) {
+    for f in states.as_chunks::<LANES>().0 {
+        let svds = SignedSvd::of_four(f);
+        let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+        L::set_positive_tangents_of_four(&svds, &[*c; LANES], &mut tangents);
+        for (lane, svd) in svds.iter().enumerate() {
+            assert_eq!(tangent_of(&tangents, lane), L::positive_tangent(svd, c));
+        }
+    }
 }
 
 /// In principal axes the tangent is the same, and its positive form is the dense one with the eigenvalues cut off at zero.

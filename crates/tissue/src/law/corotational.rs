@@ -1,7 +1,6 @@
 //! Corotational linear elasticity.
 
 use super::decomposition::{SignedSvd, rotation_of};
-use super::isotropic::nearest_positive;
 use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
 use nalgebra::{Matrix3, Vector3};
 
@@ -46,8 +45,8 @@ impl Law for Corotational {
         Self::principal_tangent(&svd.stretches, lame).rotated(&svd)
     }
 
-    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
-        nearest_positive::<Self>(f, lame)
+    fn positive_principal_tangent(f: &SignedSvd, lame: &Lame) -> PrincipalTangent {
+        Self::principal_tangent(&f.stretches, lame).positive()
     }
 }
 

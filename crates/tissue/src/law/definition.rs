@@ -3,8 +3,10 @@
 use super::constants::{Constants, Parameters};
 use super::decomposition::SignedSvd;
 use super::elasticity::{Lame, Matrix9};
+use super::principal::PrincipalTangent;
 use crate::lanes::{
-    FourTangents, FourVectors, LANES, Lanes, matrix_of, put_tangent, set_matrix, vector_of,
+    FourTangents, FourVectors, LANES, Lanes, matrix_of, put_tangent, set_matrix, tangent_of,
+    vector_of,
 };
 use microsim_mesh::FAMILIES;
 use microsim_vocabulary::LawName;
@@ -128,8 +130,8 @@ use std::fmt::Debug;
 ///         tangent
 ///     }
 ///
-///     fn positive_tangent(f: &SignedSvd, c: &StiffeningConstants) -> Matrix9 {
-///         Self::principal_tangent(&f.stretches, c).positive().rotated(f)
+///     fn positive_principal_tangent(f: &SignedSvd, c: &StiffeningConstants) -> PrincipalTangent {
+///         Self::principal_tangent(&f.stretches, c).positive()
 ///     }
 /// }
 ///
@@ -232,8 +234,40 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
         }
     }
 
+    /// The nearest tangent of the isotropic part without negative eigenvalues, at F = U diag(σ) Vᵀ and in these axes: of an
+    /// [isotropic](super::IsotropicLaw) law [`principal_tangent`](super::IsotropicLaw::principal_tangent) made
+    /// [positive](PrincipalTangent::positive), as above.
+    fn positive_principal_tangent(f: &SignedSvd, constants: &Self::Constants) -> PrincipalTangent;
+
+    /// Adds to `tangent` what fibres have \[Pa\], without negative eigenvalues; there are none by default.
+    #[inline(always)]
+    fn add_positive_fibres(_f: &SignedSvd, _constants: &Self::Constants, _tangent: &mut Matrix9) {}
+
     /// Tangent without negative eigenvalues \[Pa\] at F = U diag(σ) Vᵀ, nowhere below the exact one (their difference has no negative
-    /// eigenvalue either): what implicit methods take far from equilibrium. Of an [isotropic](super::IsotropicLaw) law the nearest one,
-    /// from [`principal_tangent`](super::IsotropicLaw::principal_tangent) as above; of a sum of parts the sum of the nearest ones.
-    fn positive_tangent(f: &SignedSvd, constants: &Self::Constants) -> Matrix9;
+    /// eigenvalue either): what implicit methods take far from equilibrium. The sum of the parts above.
+    fn positive_tangent(f: &SignedSvd, constants: &Self::Constants) -> Matrix9 {
+        let mut tangent = Self::positive_principal_tangent(f, constants).rotated(f);
+        Self::add_positive_fibres(f, constants, &mut tangent);
+        tangent
+    }
+
+    /// Sets `tangents` to [`positive_tangent`](Self::positive_tangent) of four elements at once, each with constants of its own: the same bits.
+    #[inline(always)]
+    fn set_positive_tangents_of_four(
+        f: &[SignedSvd; LANES],
+        constants: &[Self::Constants; LANES],
+        tangents: &mut FourTangents,
+    ) {
+        let principal =
+            [0, 1, 2, 3].map(|lane| Self::positive_principal_tangent(&f[lane], &constants[lane]));
+        PrincipalTangent::rotate_four(&principal, f, tangents);
+        if Self::Constants::DIRECTIONS == 0 {
+            return;
+        }
+        for lane in 0..LANES {
+            let mut one = tangent_of(tangents, lane);
+            Self::add_positive_fibres(&f[lane], &constants[lane], &mut one);
+            put_tangent(tangents, lane, &one);
+        }
+    }
 }

@@ -6,7 +6,9 @@ use super::elasticity::{Elasticity, Family, FamilyOf, Lame};
 use super::exponential::exponential;
 use super::invariants::{self, InvariantDerivatives};
 use super::volume::volume_power;
-use super::{Constants, Law, LawName, Matrix9, NeoHookean, Parameters, neo_hookean};
+use super::{
+    Constants, Law, LawName, Matrix9, NeoHookean, Parameters, PrincipalTangent, neo_hookean,
+};
 use crate::lanes::{FourTangents, FourVectors, Lanes};
 use crate::number::{
     Columns, Columns9, Number, Three, add_outer, columns, columns_of, components_of, dot, entries,
@@ -439,12 +441,18 @@ impl Law for HolzapfelGasserOgden {
         c.set_tangent(f, directions, tangents);
     }
 
-    /// That of the matrix, and of the fibres the exact one.
-    fn positive_tangent(f: &SignedSvd, c: &HolzapfelConstants) -> Matrix9 {
-        let mut tangent = NeoHookean::positive_tangent(f, &c.lame).data.0;
+    fn positive_principal_tangent(f: &SignedSvd, c: &HolzapfelConstants) -> PrincipalTangent {
+        NeoHookean::positive_principal_tangent(f, &c.lame)
+    }
+
+    /// The exact one.
+    fn add_positive_fibres(f: &SignedSvd, c: &HolzapfelConstants, tangent: &mut Matrix9) {
         let directions = components_of(&c.directions);
-        c.add_tangent(&columns_of(&deformation(f)), &directions, &mut tangent);
-        tangent.into()
+        c.add_tangent(
+            &columns_of(&deformation(f)),
+            &directions,
+            &mut tangent.data.0,
+        );
     }
 }
 
@@ -554,22 +562,24 @@ impl Law for HolzapfelGasserOgdenIsochoric {
         tangent
     }
 
+    fn positive_principal_tangent(f: &SignedSvd, c: &HolzapfelConstants) -> PrincipalTangent {
+        NeoHookean::positive_principal_tangent(f, &c.lame)
+    }
+
     /// Of each family φ'' ∂E ⊗ ∂E, and φ' ∂²E/∂F² with its negative eigenvalues cut off.
-    fn positive_tangent(f: &SignedSvd, c: &HolzapfelConstants) -> Matrix9 {
-        let mut tangent = NeoHookean::positive_tangent(f, &c.lame);
+    fn add_positive_fibres(f: &SignedSvd, c: &HolzapfelConstants, tangent: &mut Matrix9) {
         let f = deformation(f);
         for a in c.families() {
             let family = Isochoric::new(c, &f, a);
-            tangent += family.direct();
+            *tangent += family.direct();
             let slope = family.exponential[1];
             if slope == 0.0 {
                 continue;
             }
             let eigen = (family.curvature(c, &f, a) * slope).symmetric_eigen();
             let values = Matrix9::from_diagonal(&eigen.eigenvalues.map(|value| value.max(0.0)));
-            tangent += eigen.eigenvectors * values * eigen.eigenvectors.transpose();
+            *tangent += eigen.eigenvectors * values * eigen.eigenvectors.transpose();
         }
-        tangent
     }
 }
 

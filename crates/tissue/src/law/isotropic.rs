@@ -1,8 +1,6 @@
 //! Laws that have no direction of their own.
 
-use super::decomposition::SignedSvd;
 use super::definition::Law;
-use super::elasticity::Matrix9;
 use super::principal::PrincipalTangent;
 use nalgebra::{Matrix3, Vector3};
 
@@ -16,14 +14,4 @@ pub trait IsotropicLaw: Law {
         let f = Matrix3::from_diagonal(stretches);
         PrincipalTangent::from_tangent(&Self::tangent(&f, constants))
     }
-}
-
-/// The nearest tangent of a law without negative eigenvalues: [`Law::positive_tangent`] of isotropic laws.
-pub(super) fn nearest_positive<L: IsotropicLaw>(
-    f: &SignedSvd,
-    constants: &L::Constants,
-) -> Matrix9 {
-    L::principal_tangent(&f.stretches, constants)
-        .positive()
-        .rotated(f)
 }

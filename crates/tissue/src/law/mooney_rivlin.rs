@@ -3,10 +3,9 @@
 use super::decomposition::{SignedSvd, cofactor};
 use super::elasticity::{Elasticity, Lame};
 use super::invariants::{self, InvariantDerivatives};
-use super::isotropic::nearest_positive;
 use super::st_venant_kirchhoff::material_tangent;
 use super::volume::{log_volume, log_volume_slopes};
-use super::{Constants, IsotropicLaw, Law, LawName, Matrix9, Parameters};
+use super::{Constants, IsotropicLaw, Law, LawName, Matrix9, Parameters, PrincipalTangent};
 use crate::range::{MaterialError, require};
 use nalgebra::Matrix3;
 
@@ -167,8 +166,8 @@ impl Law for MooneyRivlin {
         tangent
     }
 
-    fn positive_tangent(f: &SignedSvd, c: &Self::Constants) -> Matrix9 {
-        nearest_positive::<Self>(f, c)
+    fn positive_principal_tangent(f: &SignedSvd, c: &Self::Constants) -> PrincipalTangent {
+        Self::principal_tangent(&f.stretches, c).positive()
     }
 }
 

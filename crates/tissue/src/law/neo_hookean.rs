@@ -2,7 +2,6 @@
 
 use super::decomposition::{SignedSvd, cofactor, cofactor_of};
 use super::invariants::{self, InvariantDerivatives};
-use super::isotropic::nearest_positive;
 use super::volume::{log_volume, log_volume_slopes};
 use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
 use crate::lanes::FourVectors;
@@ -52,8 +51,8 @@ impl Law for NeoHookean {
         invariants::tangent(f, &cofactor, &derivatives(j, lame))
     }
 
-    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
-        nearest_positive::<Self>(f, lame)
+    fn positive_principal_tangent(f: &SignedSvd, lame: &Lame) -> PrincipalTangent {
+        Self::principal_tangent(&f.stretches, lame).positive()
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::decomposition::{SignedSvd, cofactor};
 use super::invariants::{self, InvariantDerivatives};
-use super::isotropic::nearest_positive;
 use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
 use crate::lanes::Lanes;
 use nalgebra::{Matrix3, Vector3};
@@ -54,8 +53,8 @@ impl Law for NeoHookeanPolynomial {
         invariants::tangent(f, &cofactor, &derivatives(f.norm_squared(), j, lame))
     }
 
-    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
-        nearest_positive::<Self>(f, lame)
+    fn positive_principal_tangent(f: &SignedSvd, lame: &Lame) -> PrincipalTangent {
+        Self::principal_tangent(&f.stretches, lame).positive()
     }
 }
 

@@ -1,8 +1,7 @@
 //! St Venant–Kirchhoff: linear in Green's strain.
 
 use super::decomposition::SignedSvd;
-use super::isotropic::nearest_positive;
-use super::{IsotropicLaw, Lame, Law, LawName, Matrix9};
+use super::{IsotropicLaw, Lame, Law, LawName, Matrix9, PrincipalTangent};
 use crate::number::{Columns, Columns9, Number, columns, columns_of};
 use nalgebra::Matrix3;
 
@@ -97,8 +96,8 @@ impl Law for StVenantKirchhoff {
         tangent
     }
 
-    fn positive_tangent(f: &SignedSvd, lame: &Lame) -> Matrix9 {
-        nearest_positive::<Self>(f, lame)
+    fn positive_principal_tangent(f: &SignedSvd, lame: &Lame) -> PrincipalTangent {
+        Self::principal_tangent(&f.stretches, lame).positive()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::decomposition::SignedSvd;
 use super::elasticity::{Elasticity, Family, Lame};
-use super::{Constants, Law, LawName, Matrix9, NeoHookean, Parameters};
+use super::{Constants, Law, LawName, Matrix9, NeoHookean, Parameters, PrincipalTangent};
 use crate::range::{MaterialError, require};
 use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
@@ -170,10 +170,12 @@ impl Law for TransverselyIsotropic {
         tangent
     }
 
-    /// The sum of the nearest ones of matrix and fibres. The fibres' has the eigenvalues ½ m (I₄ − 1) across F a₀, twice, and
-    /// ½ m (3 I₄ − 1) along it.
-    fn positive_tangent(f: &SignedSvd, c: &Self::Constants) -> Matrix9 {
-        let mut tangent = NeoHookean::positive_tangent(f, &c.lame);
+    fn positive_principal_tangent(f: &SignedSvd, c: &Self::Constants) -> PrincipalTangent {
+        NeoHookean::positive_principal_tangent(f, &c.lame)
+    }
+
+    /// The nearest one: it has the eigenvalues ½ m (I₄ − 1) across F a₀, twice, and ½ m (3 I₄ − 1) along it.
+    fn add_positive_fibres(f: &SignedSvd, c: &Self::Constants, tangent: &mut Matrix9) {
         let in_axes = f.v.tr_mul(&c.direction).component_mul(&f.stretches);
         let (stretched, pull) = c.pull(f.u * in_axes);
         let square = stretched.norm_squared();
@@ -184,8 +186,7 @@ impl Law for TransverselyIsotropic {
         if along > across {
             of_fibre += stretched * stretched.transpose() * ((along - across) / square);
         }
-        c.add_to(&mut tangent, &of_fibre);
-        tangent
+        c.add_to(tangent, &of_fibre);
     }
 }
 
