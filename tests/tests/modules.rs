@@ -134,7 +134,10 @@ fn script_does_what_it_is_for(level: &Level, purpose: &Purpose, script: &Path, f
     let name = script.file_stem().and_then(|name| name.to_str());
     let name = name.expect("it was listed by its name");
     let (printed, session) = level.play(folder, name, script, &[]);
-    assert_verified(&session);
+    // Those that pass do all that a level has; each computation counts twice in the time of this test.
+    if !matches!(purpose, Purpose::Fails(_)) {
+        assert_verified(&session);
+    }
     let what = format!("{}: {printed}", script.display());
     assert_eq!(printed["counts"], true, "{what}");
     match purpose {

@@ -192,7 +192,7 @@ pub const SOAKS: &[Program] = &[
     Program {
         name: "window",
         example: "soak_window",
-        shows: "all levels by mouse and keys (-- passes), 30 minutes of play (-- MINUTES SEED)",
+        shows: "levels by mouse and keys (-- passes), 30 minutes (-- MINUTES SEED), -- memory",
     },
     Program {
         name: "screens",

@@ -17,7 +17,7 @@ pub struct Memory {
     pub resting: Vec<(f64, f64)>,
 }
 
-/// A straight line through the last two thirds of measurements: its slope \[MB/min\], and the standard error of that.
+/// A straight line through the last two thirds of measurements: its slope, and the standard error of that.
 pub fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let last = &points[points.len() / 3..];
     let n = last.len() as f64;
@@ -30,7 +30,7 @@ pub fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let slope = last.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
     let rest = last.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2));
     let error = (rest.sum::<f64>() / (n - 2.0) / spread).sqrt();
-    Some((60.0 * slope, 60.0 * error))
+    Some((slope, error))
 }
 
 /// Looks at the memory of a process every second.
@@ -42,7 +42,8 @@ pub struct Watch {
     memory: Arc<Mutex<Memory>>,
 }
 
-fn resident(process: u32) -> Option<f64> {
+/// Resident memory of a process now \[MB\] of 10⁶ bytes; none where it has ended.
+pub fn resident(process: u32) -> Option<f64> {
     let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status
         .lines()

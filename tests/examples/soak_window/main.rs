@@ -1,11 +1,12 @@
-//! `cargo xtask soak window [-- MINUTES SEED | passes [MODULE [LEVEL]]]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
+//! `cargo xtask soak window [-- MINUTES SEED | passes [MODULE [LEVEL]] | memory]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
 //!
 //! First every level, until it is passed: somebody does what its script that passes does, one hand after the other; writes `tests/results/soak_window_passes.md`. Then, in another window, every level that is played later is shown once, and level after level is played by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
-//! `tests/results/soak_window.md`.
+//! `tests/results/soak_window.md`. Last, in a third window, levels are begun and aborted; writes `tests/results/soak_window_memory.md`.
 //!
 //! Ends with status 1 if a level is not passed, if the window panics, freezes, ends, loses a session or records one that does not replay, if memory grows, or if more ticks are late than may be.
 
 mod account;
+mod memory;
 mod page;
 mod passes;
 mod player;
@@ -17,7 +18,7 @@ use microsim_tests::desktop::Display;
 use microsim_tests::driver::Driver;
 use microsim_tests::peers::Peer;
 use microsim_tests::{command, finish, microsim, repository, scratch};
-use player::Player;
+use player::{Player, data_folder};
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -214,10 +215,8 @@ fn draw_in_every_quality(player: &mut Player<'_>) -> Result<(), String> {
 
 fn soak(minutes: f64, seed: u64) -> Result<Soak, String> {
     let folder = scratch();
-    let data = folder.path().join("data");
+    let data = data_folder(folder.path())?;
     let failed = |error: std::io::Error| format!("{}: {error}", data.display());
-    fs::create_dir_all(data.join("config")).map_err(failed)?;
-    fs::write(data.join("config/window.toml"), "quality = \"low\"\n").map_err(failed)?;
     let driver = Driver::build(&folder.path().join("driver"))?;
     let mut display = Display::open_of([1920, 1080])?;
     display.manage(folder.path())?;
@@ -344,12 +343,15 @@ enum Order {
     Minutes(f64, u64),
     /// Levels of modules whose names begin so, or one of them, are passed: a page is written of all of them alone.
     Passes(String, Option<u32>),
+    /// What levels leave behind.
+    Memory,
 }
 
 fn order(words: &[String]) -> Option<Order> {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     match words[..] {
         [] => Some(Order::All),
+        ["memory"] => Some(Order::Memory),
         ["passes"] => Some(Order::Passes(String::new(), None)),
         ["passes", module] => Some(Order::Passes(module.into(), None)),
         ["passes", module, level] => Some(Order::Passes(module.into(), Some(level.parse().ok()?))),
@@ -375,12 +377,18 @@ fn run(order: &Order) -> Result<bool, String> {
     match order {
         Order::All => {
             let passes = run(&Order::Passes(String::new(), None))?;
-            Ok(run(&Order::Minutes(MINUTES, 1))? && passes)
+            let minutes = run(&Order::Minutes(MINUTES, 1))?;
+            Ok(run(&Order::Memory)? && minutes && passes)
         }
         Order::Minutes(minutes, seed) => {
             let soak = soak(*minutes, *seed)?;
             let (text, is_good) = page::of(&soak);
             write("soak_window.md", &text)?;
+            Ok(is_good)
+        }
+        Order::Memory => {
+            let (text, is_good) = memory::page(&memory::rests()?);
+            write("soak_window_memory.md", &text)?;
             Ok(is_good)
         }
         Order::Passes(module, number) => {
@@ -399,7 +407,7 @@ fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let Some(order) = order(&words) else {
         eprintln!(
-            "expected MINUTES, above 0, and SEED, or passes and the begin of a module's name with or without a level's number, or nothing"
+            "expected MINUTES, above 0, and SEED, or passes and the begin of a module's name with or without a level's number, or memory, or nothing"
         );
         return ExitCode::from(2);
     };

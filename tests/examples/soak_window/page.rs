@@ -63,7 +63,7 @@ pub fn of(soak: &Soak) -> (String, bool) {
         "Memory: {} measurements in the launcher are too few for a slope.",
         rests.len()
     );
-    if let Some((slope, error)) = slope(rests) {
+    if let Some((slope, error)) = slope(rests).map(|(slope, error)| (60.0 * slope, 60.0 * error)) {
         let peak = soak.memory.all.iter().map(|p| p.1).fold(0.0, f64::max);
         let [first, last] = [rests[rests.len() / 3].1, rests[rests.len() - 1].1];
         memory = format!(

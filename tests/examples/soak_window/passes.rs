@@ -1,6 +1,6 @@
 //! Every level, played with mouse and keyboard until it is passed.
 
-use crate::player::Player;
+use crate::player::{Player, data_folder};
 use crate::strokes::Strokes;
 use crate::{Level, levels};
 use microsim_host::assemble::known_metrics;
@@ -91,10 +91,7 @@ pub fn play(module: &str, number: Option<u32>) -> Result<Vec<Attempt>, String> {
         return Err(format!("no module's name begins with \"{module}\"{level}"));
     }
     let folder = scratch();
-    let data = folder.path().join("data");
-    let failed = |error: std::io::Error| format!("{}: {error}", data.display());
-    fs::create_dir_all(data.join("config")).map_err(failed)?;
-    fs::write(data.join("config/window.toml"), "quality = \"low\"\n").map_err(failed)?;
+    let data = data_folder(folder.path())?;
     let display = Display::open()?;
     let mut window = display.program(&data, ["window", "--lang", "en", "--size", "1280x720"]);
     let window = window.spawn().map_err(|e| format!("the program: {e}"))?;

@@ -15,6 +15,16 @@ const KEY: &str = "350";
 /// What xdotool is asked for at once: seconds and words.
 const PART: f64 = 4.0;
 const WORDS: usize = 4000;
+
+/// A new folder of data within another, in which the window draws in low quality.
+pub fn data_folder(folder: &Path) -> Result<PathBuf, String> {
+    let data = folder.join("data");
+    let failed = |error: std::io::Error| format!("{}: {error}", data.display());
+    fs::create_dir_all(data.join("config")).map_err(failed)?;
+    fs::write(data.join("config/window.toml"), "quality = \"low\"\n").map_err(failed)?;
+    Ok(data)
+}
+
 /// The player.
 pub struct Player<'a> {
     pub display: &'a Display,

@@ -156,7 +156,11 @@ impl Bite {
 
     /// The forceps go back to where they gripped, no faster than they drew, and open.
     fn let_go(&self, hands: &mut Hands) {
-        hands.go(LEFT, self.seconds.max(1.5), self.forceps(self.grip, self.closed));
+        hands.go(
+            LEFT,
+            self.seconds.max(1.5),
+            self.forceps(self.grip, self.closed),
+        );
         hands.go(LEFT, 0.5, self.forceps(self.grip, OPEN));
     }
 
