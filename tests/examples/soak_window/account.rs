@@ -17,18 +17,17 @@ pub struct Memory {
     pub resting: Vec<(f64, f64)>,
 }
 
-/// A straight line through the last two thirds of measurements: its slope, and the standard error of that.
+/// A straight line through measurements, at least four: its slope, and the standard error of that.
 pub fn slope(points: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let last = &points[points.len() / 3..];
-    let n = last.len() as f64;
-    if last.len() < 4 {
+    let n = points.len() as f64;
+    if points.len() < 4 {
         return None;
     }
-    let mean = |of: fn(&(f64, f64)) -> f64| last.iter().map(of).sum::<f64>() / n;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let [x, y] = [mean(|p| p.0), mean(|p| p.1)];
-    let spread: f64 = last.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
-    let slope = last.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
-    let rest = last.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2));
+    let spread: f64 = points.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
+    let slope = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
+    let rest = points.iter().map(|p| (p.1 - y - slope * (p.0 - x)).powi(2));
     let error = (rest.sum::<f64>() / (n - 2.0) / spread).sqrt();
     Some((slope, error))
 }

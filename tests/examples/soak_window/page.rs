@@ -63,9 +63,11 @@ pub fn of(soak: &Soak) -> (String, bool) {
         "Memory: {} measurements in the launcher are too few for a slope.",
         rests.len()
     );
-    if let Some((slope, error)) = slope(rests).map(|(slope, error)| (60.0 * slope, 60.0 * error)) {
+    let last_two_thirds = &rests[rests.len() / 3..];
+    let per_minute = slope(last_two_thirds).map(|(slope, error)| (60.0 * slope, 60.0 * error));
+    if let Some((slope, error)) = per_minute {
         let peak = soak.memory.all.iter().map(|p| p.1).fold(0.0, f64::max);
-        let [first, last] = [rests[rests.len() / 3].1, rests[rests.len() - 1].1];
+        let [first, last] = [last_two_thirds[0].1, rests[rests.len() - 1].1];
         memory = format!(
             "Resident memory in the launcher, after each level: {first:.0} MB after a third, {last:.0} MB at the end; slope over the last two thirds {slope:+.2} ± {error:.2} MB/min. \
              It would be {bound:.2} MB/min if each level left its recording behind ({recording:.2} MB each), and is to be less, by more than twice its error or within it. Peak {peak:.0} MB."
