@@ -7,9 +7,20 @@ use microsim_gpu::Gpu;
 use microsim_render::{Quality, Renderer, StereoLayout};
 use std::error::Error;
 use std::path::Path;
+use std::process::ExitCode;
 use std::time::Instant;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match draw() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("field: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn draw() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [state, file, rest @ ..] = arguments.as_slice() else {
         return Err("STATE.json PICTURE.png [QUALITY [WIDTH HEIGHT [LAYOUT]]]".into());

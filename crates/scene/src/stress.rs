@@ -5,6 +5,7 @@
 use crate::spec::BodySpec;
 use microsim_mesh::TetMesh;
 use microsim_tissue::elements::PlasticState;
+use microsim_tissue::law::decomposition::SignedSvd;
 use microsim_tissue::{Behaviour, ContinuumConstants, Material};
 use nalgebra::{Matrix3, Vector3};
 
@@ -73,7 +74,7 @@ pub fn largest_stretches(
 ) -> impl ExactSizeIterator<Item = f64> {
     (0..mesh.tets.len()).map(|element| {
         let f = deformation(mesh, element, positions);
-        (f.transpose() * f).symmetric_eigenvalues().max().sqrt()
+        SignedSvd::new(&f).stretches[0]
     })
 }
 

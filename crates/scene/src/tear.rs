@@ -14,6 +14,7 @@
 use crate::body::Body;
 use crate::scene::Scene;
 use microsim_cutting::{Fibre, Settings, Topology};
+use microsim_tissue::law::decomposition::SignedSvd;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 
@@ -82,16 +83,19 @@ impl Stretched {
     fn new(body: &Body, positions: &[Vector3<f64>], element: u32) -> Option<Self> {
         let limit = 1.0 + limit_of(body, element)?;
         let gradient = deformation_gradient(body, positions, element)?;
-        let principal = (gradient.transpose() * gradient).symmetric_eigen();
-        let at = principal.eigenvalues.imax();
-        let along: Vector3<f64> = principal.eigenvectors.column(at).into();
-        let now = (gradient * along).try_normalize(0.0)?;
+        let svd = SignedSvd::new(&gradient);
+        // No axis of an element without any extent, and of one that is not finite.
+        let stretch = svd.stretches[0];
+        if !(stretch > 0.0 && stretch.is_finite()) {
+            return None;
+        }
+        let (along, now) = (svd.v.column(0).into_owned(), svd.u.column(0).into_owned());
         let at_rest = match body.mesh.prestretches.get(element as usize) {
             None => along,
             Some(prestretch) => (prestretch * along).normalize(),
         };
         Some(Self {
-            stretch: principal.eigenvalues[at].sqrt(),
+            stretch,
             limit,
             fibre: [at_rest, now],
             inverted: gradient.determinant() <= 0.0,

@@ -13,6 +13,12 @@ pub const LANES: usize = 4;
 #[repr(C, align(32))]
 pub struct Lanes(pub [f64; LANES]);
 
+/// A value for each lane. Unlike the `map` of an array it is always inlined.
+#[inline(always)]
+pub fn lanes<T>(of: impl Fn(usize) -> T) -> [T; LANES] {
+    [of(0), of(1), of(2), of(3)]
+}
+
 impl Lanes {
     /// One number four times.
     #[inline(always)]
@@ -23,13 +29,13 @@ impl Lanes {
     /// √.
     #[inline(always)]
     pub fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
+        Self(lanes(|lane| self.0[lane].sqrt()))
     }
 
     /// |·|.
     #[inline(always)]
     pub fn abs(self) -> Self {
-        Self(self.0.map(f64::abs))
+        Self(lanes(|lane| self.0[lane].abs()))
     }
 
     /// Each with the sign of the one in `sign`.
@@ -63,11 +69,8 @@ impl Lanes {
     }
 
     #[inline(always)]
-    fn with(mut self, other: Self, each: impl Fn(f64, f64) -> f64) -> Self {
-        for (a, b) in self.0.iter_mut().zip(&other.0) {
-            *a = each(*a, *b);
-        }
-        self
+    fn with(self, other: Self, each: impl Fn(f64, f64) -> f64) -> Self {
+        Self(lanes(|lane| each(self.0[lane], other.0[lane])))
     }
 }
 

@@ -74,6 +74,7 @@ pub use microsim_vocabulary::LawName;
 pub use mooney_rivlin::{MooneyRivlin, MooneyRivlinConstants, MooneyRivlinParameters};
 pub use neo_hookean::NeoHookean;
 pub use neo_hookean_polynomial::NeoHookeanPolynomial;
+pub(crate) use principal::FourPrincipalTangents;
 pub use principal::PrincipalTangent;
 pub use st_venant_kirchhoff::StVenantKirchhoff;
 pub use stable_neo_hookean::StableNeoHookean;

@@ -1,8 +1,9 @@
 //! What formulas take that are written once, for one number and for four that are worked on together.
 //!
-//! Every operation on four numbers is that of the single ones, rounded alike: a result is the same to the bit wherever it is computed.
+//! Every operation on four numbers is that of the single ones, rounded alike: a result is the same to the bit wherever it is computed. Sums of products
+//! are fused ([`Number::mul_add`]), which is rounded once on every machine.
 
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, lanes};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -17,6 +18,9 @@ pub trait Number:
 {
     /// This number, in every lane.
     fn of(value: f64) -> Self;
+
+    /// This times a factor plus a number, rounded once.
+    fn mul_add(self, factor: Self, summand: Self) -> Self;
 
     /// The smaller ones; this where the other is no number.
     fn least(self, other: Self) -> Self;
@@ -53,6 +57,11 @@ impl Number for f64 {
     #[inline(always)]
     fn of(value: f64) -> Self {
         value
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        f64::mul_add(self, factor, summand)
     }
 
     #[inline(always)]
@@ -94,6 +103,13 @@ impl Number for Lanes {
     }
 
     #[inline(always)]
+    fn mul_add(self, factor: Self, summand: Self) -> Self {
+        Self(lanes(|lane| {
+            self.0[lane].mul_add(factor.0[lane], summand.0[lane])
+        }))
+    }
+
+    #[inline(always)]
     fn least(self, other: Self) -> Self {
         self.min(other)
     }
@@ -110,35 +126,46 @@ impl Number for Lanes {
 
     #[inline(always)]
     fn natural_log(self) -> Self {
-        Self(self.0.map(libm::log))
+        Self(lanes(|lane| libm::log(self.0[lane])))
     }
 
     #[inline(always)]
     fn cube_root(self) -> Self {
-        Self(self.0.map(libm::cbrt))
+        Self(lanes(|lane| libm::cbrt(self.0[lane])))
     }
 
     #[inline(always)]
     fn power_of_two(self) -> Self {
-        Self(self.0.map(f64::power_of_two))
+        Self(lanes(|lane| self.0[lane].power_of_two()))
     }
+}
+
+/// Three components by their place. Unlike the `map` of an array it is always inlined.
+#[inline(always)]
+pub fn three<T>(component: impl Fn(usize) -> T) -> [T; 3] {
+    [component(0), component(1), component(2)]
 }
 
 /// `Σ_k columns[k] v[k]`.
 #[inline(always)]
 pub fn product<N: Number>(columns: &Columns<N>, v: &Three<N>) -> Three<N> {
     let [a, b, c] = columns;
-    let row = |i: usize| a[i] * v[0] + b[i] * v[1] + c[i] * v[2];
-    [row(0), row(1), row(2)]
+    three(|i| c[i].mul_add(v[2], b[i].mul_add(v[1], a[i] * v[0])))
+}
+
+/// The same with the transpose: the scalar product of each column with `v`.
+#[inline(always)]
+pub fn transposed_product<N: Number>(columns: &Columns<N>, v: &Three<N>) -> Three<N> {
+    three(|k| dot(&columns[k], v))
 }
 
 /// Scalar product.
 #[inline(always)]
 pub fn dot<N: Number>(a: &Three<N>, b: &Three<N>) -> N {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
-/// Vector product.
+/// Vector product. It is not fused, so that that of a vector with itself vanishes and exchanging both changes nothing but the sign.
 #[inline(always)]
 pub fn cross<N: Number>(a: &Three<N>, b: &Three<N>) -> Three<N> {
     [
@@ -158,8 +185,7 @@ pub fn norm_squared<N: Number>(columns: &Columns<N>) -> N {
 /// Each entry by a function of its column and row.
 #[inline(always)]
 pub fn columns<N>(entry: impl Fn(usize, usize) -> N) -> Columns<N> {
-    let column = |k: usize| [entry(k, 0), entry(k, 1), entry(k, 2)];
-    [column(0), column(1), column(2)]
+    three(|k| three(|i| entry(k, i)))
 }
 
 /// The entries, column after column.
@@ -174,7 +200,7 @@ pub fn add_outer<N: Number>(sum: &mut Columns9<N>, n: &[N; 9], factor: N) {
     for (column, entry) in sum.iter_mut().zip(n) {
         let along = *entry * factor;
         for (sum, n) in column.iter_mut().zip(n) {
-            *sum = *sum + *n * along;
+            *sum = n.mul_add(along, *sum);
         }
     }
 }

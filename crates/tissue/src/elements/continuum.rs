@@ -4,8 +4,8 @@
 //! so the loop over the elements has no calls through pointers. Forces are −V P b_i with the gradients b_i of the domain;
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
-use super::continuum_matrix::{CORNERS, CornerTangent, DomainTangent, set_matrices, set_tangent};
-use super::domains::{Domains, NO_DIRECTIONS, Tetrahedra, constants_at};
+use super::continuum_matrix::{CORNERS, CornerTangent, DomainTangent, FourMatrices, set_tangent};
+use super::domains::{Domains, FourTetrahedra, NO_DIRECTIONS, Tetrahedra, constants_at};
 use super::key::Key;
 use super::quadratic::QuadraturePoints;
 use super::smoothed::SmoothingDomains;
@@ -13,10 +13,12 @@ use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent, rest_stiffness, set_norms,
 };
-use crate::lanes::{FourTangents, FourVectors, LANES, Lanes, matrix_of, set_vector, tangent_of};
-use crate::law::decomposition::SignedSvd;
-use crate::law::{Constants, Lame, Law, viscosity};
-use crate::number::columns;
+use crate::lanes::{
+    FourTangents, FourVectors, LANES, Lanes, lanes, matrix_of, tangent_of, vector_of,
+};
+use crate::law::decomposition::{FourSvds, SignedSvd};
+use crate::law::{Constants, FourFamilies, FourPrincipalTangents, Lame, Law, viscosity};
+use crate::number::{self, columns, product, three};
 use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
@@ -89,40 +91,70 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
         }
     }
 
-    /// Adds the tangents of all elements to a matrix, in ascending order: `set` gives those of four elements from the first on, a multiple
-    /// of four, the last ones filled up with any.
+    /// The moduli of the viscosity of four elements, and the families of fibres where the law has any.
     #[inline(always)]
-    pub(super) fn add_tangents(
+    pub(super) fn viscous_moduli(&self, first: usize) -> (Lame, Option<FourFamilies>) {
+        let families = match L::Constants::DIRECTIONS {
+            0 => None,
+            _ => self
+                .constants
+                .families_of_four(&self.domains.directions_of_four(first)),
+        };
+        (self.constants.elasticity().lame, families)
+    }
+
+    /// Adds the forces of the stresses of four elements, of those in `range`.
+    #[inline(always)]
+    pub(super) fn add_stresses(
         &self,
-        set: impl Fn(usize, &mut FourTangents),
-        matrix: &mut MatrixWindow<'_>,
+        first: usize,
+        range: &Range<usize>,
+        stress: &[FourVectors; 3],
+        forces: &mut NodeWindow<'_>,
     ) {
-        let count = self.domains.count();
-        let mut tangents = [[Lanes::splat(0.0); 9]; 9];
-        let mut matrices = [[[Lanes::splat(0.0); 9]; CORNERS]; CORNERS];
-        let mut gradients = [[Lanes::splat(0.0); 3]; CORNERS];
-        let mut corners = Vec::new();
-        for first in (0..count).step_by(LANES) {
-            set(first, &mut tangents);
-            let four = first..count.min(first + LANES);
-            let is_tetrahedron = |element| self.domains.nodes(element).len() == CORNERS;
-            if four.clone().all(is_tetrahedron) {
-                let mut volumes = Lanes::splat(0.0);
-                for (lane, element) in four.clone().enumerate() {
-                    volumes.0[lane] = self.domains.volume(element);
-                    for (node, gradient) in gradients.iter_mut().enumerate() {
-                        set_vector(gradient, lane, &self.domains.gradient(element, node));
+        let shapes = self.domains.tetrahedra_of_four(first);
+        let of_corners = shapes.map(|shapes| {
+            let scaled = columns(|k, i| -(stress[k][i] * shapes.volumes));
+            let [one, two, three] = three(|corner| product(&scaled, &shapes.gradients[corner]));
+            let sum = number::three(|i| -(one[i] + two[i] + three[i]));
+            [sum, one, two, three]
+        });
+        for (lane, element) in (first..first + LANES).enumerate() {
+            if !range.contains(&element) {
+                continue;
+            }
+            match &of_corners {
+                None => {
+                    let stress = matrix_of(stress, lane);
+                    self.domains.add_forces(element, &stress, forces);
+                }
+                Some(of_corners) => {
+                    for (node, force) in self.domains.nodes(element).iter().zip(of_corners) {
+                        forces.add(*node, vector_of(force, lane));
                     }
                 }
-                set_matrices(&tangents, volumes, &gradients, &mut matrices);
+            }
+        }
+    }
+
+    /// Adds the tangents of all elements to a matrix, in ascending order.
+    #[inline(always)]
+    pub(super) fn add_tangents(&self, of: &impl TangentsOfFour, matrix: &mut MatrixWindow<'_>) {
+        let count = self.domains.count();
+        let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+        let mut corners = Vec::new();
+        for first in (0..count).step_by(LANES) {
+            let four = first..count.min(first + LANES);
+            if let Some(shapes) = self.domains.tetrahedra_of_four(first) {
+                let mut matrices = FourMatrices::zero();
+                of.add_matrices(first, &shapes, &mut matrices);
+                matrices.complete();
                 for (lane, element) in four.enumerate() {
-                    matrix.add_pairs(element, CORNERS, |row, column| {
-                        let block = &matrices[row][column];
-                        Matrix3::from_fn(|i, k| block[3 * k + i].0[lane])
-                    });
+                    matrix.add_pairs(element, CORNERS, |i, j| matrices.block(lane, i, j));
                 }
                 continue;
             }
+            of.set_tangents(first, &mut tangents);
             for (lane, element) in four.enumerate() {
                 let one = tangent_of(&tangents, lane).data.0;
                 let tangent = DomainTangent::new(&one, self.domains.volume(element));
@@ -136,6 +168,77 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
                     Matrix3::from_column_slice(&corners[row].block(&corners[column]))
                 });
             }
+        }
+    }
+}
+
+/// What elements of a set do to its matrix, four at once from the first on, a multiple of four; the last ones filled up with any.
+pub(super) trait TangentsOfFour {
+    /// Sets their tangents ∂P/∂F \[Pa\].
+    fn set_tangents(&self, first: usize, tangents: &mut FourTangents);
+
+    /// Adds the matrices of tetrahedra of these shapes, for nodes other than the first one.
+    fn add_matrices(&self, first: usize, shapes: &FourTetrahedra, matrices: &mut FourMatrices);
+}
+
+/// Those of a [`ContinuumSet`].
+struct ContinuumTangents<'a, L: Law, D> {
+    of: &'a ContinuumSet<L, D>,
+    positions: &'a [Vector3<f64>],
+    tangent: Tangent,
+    /// Factor of the moduli of viscosity \[s\]; zero without.
+    viscous_time: f64,
+}
+
+impl<L: Law, D: Domains> ContinuumTangents<'_, L, D> {
+    /// The constants of four elements.
+    #[inline(always)]
+    fn constants(&self, first: usize) -> [L::Constants; LANES] {
+        let last = self.of.domains.count() - 1;
+        lanes(|lane| self.of.constants(last.min(first + lane)))
+    }
+
+    #[inline(always)]
+    fn set_elastic(&self, first: usize, f: &[FourVectors; 3], tangents: &mut FourTangents) {
+        match self.tangent {
+            Tangent::Exact => {
+                let directions = self.of.directions_of_four(first);
+                L::set_tangents_of_four(f, &directions, &self.of.constants, tangents);
+            }
+            Tangent::Positive => {
+                let constants = self.constants(first);
+                L::set_positive_tangents_of_four(&FourSvds::new(f), &constants, tangents);
+            }
+        }
+    }
+}
+
+impl<L: Law, D: Domains> TangentsOfFour for ContinuumTangents<'_, L, D> {
+    #[inline(always)]
+    fn set_tangents(&self, first: usize, tangents: &mut FourTangents) {
+        let f = self.of.domains.deformations_of_four(first, self.positions);
+        self.set_elastic(first, &f, tangents);
+        if self.viscous_time > 0.0 {
+            let (lame, families) = self.of.viscous_moduli(first);
+            viscosity::add_tangent(&f, &lame, &families, self.viscous_time, tangents);
+        }
+    }
+
+    #[inline(always)]
+    fn add_matrices(&self, first: usize, shapes: &FourTetrahedra, matrices: &mut FourMatrices) {
+        let f = self.of.domains.deformations_of_four(first, self.positions);
+        if self.tangent == Tangent::Positive && L::Constants::DIRECTIONS == 0 {
+            let constants = self.constants(first);
+            let tangents = FourPrincipalTangents::positive::<L>(&FourSvds::new(&f), &constants);
+            matrices.add_in_axes(&tangents, shapes);
+        } else {
+            let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+            self.set_elastic(first, &f, &mut tangents);
+            matrices.add_tangents(&tangents, shapes);
+        }
+        if self.viscous_time > 0.0 {
+            let (lame, families) = self.of.viscous_moduli(first);
+            matrices.add_viscous(&f, &lame, &families, self.viscous_time, shapes);
         }
     }
 }
@@ -169,22 +272,16 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
 
     fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
         if self.is_viscous() {
-            let lame = self.constants.elasticity().lame;
             for first in (range.start / LANES * LANES..range.end).step_by(LANES) {
                 let f = self.domains.deformations_of_four(first, at.positions);
                 let rate = self.domains.deformations_of_four(first, at.velocities);
                 let directions = self.directions_of_four(first);
                 let elastic = L::stress_of_four(&f, &directions, &self.constants);
-                let families = self.constants.families_of_four(&directions);
+                let (lame, families) = self.viscous_moduli(first);
                 let viscous =
                     viscosity::stress_of(&f, &rate, &lame, &families, self.relaxation_time);
                 let stress = columns(|k, i| elastic[k][i] + viscous[k][i]);
-                for lane in 0..LANES {
-                    if range.contains(&(first + lane)) {
-                        let stress = matrix_of(&stress, lane);
-                        self.domains.add_forces(first + lane, &stress, forces);
-                    }
-                }
+                self.add_stresses(first, &range, &stress, forces);
             }
         } else {
             self.domains
@@ -217,32 +314,13 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         damping: f64,
         matrix: &mut MatrixWindow<'_>,
     ) {
-        let viscous_time = damping * self.relaxation_time;
-        let last = self.domains.count().saturating_sub(1);
-        self.add_tangents(
-            |first, tangents| {
-                let f = self.domains.deformations_of_four(first, at.positions);
-                let directions = self.directions_of_four(first);
-                match tangent {
-                    Tangent::Exact => {
-                        L::set_tangents_of_four(&f, &directions, &self.constants, tangents);
-                    }
-                    Tangent::Positive => {
-                        let f = [0, 1, 2, 3].map(|lane| matrix_of(&f, lane));
-                        let constants =
-                            [0, 1, 2, 3].map(|lane| self.constants(last.min(first + lane)));
-                        let f = SignedSvd::of_four(&f);
-                        L::set_positive_tangents_of_four(&f, &constants, tangents);
-                    }
-                }
-                if viscous_time > 0.0 {
-                    let lame = self.constants.elasticity().lame;
-                    let families = self.constants.families_of_four(&directions);
-                    viscosity::add_tangent(&f, &lame, &families, viscous_time, tangents);
-                }
-            },
-            matrix,
-        );
+        let tangents = ContinuumTangents {
+            of: self,
+            positions: at.positions,
+            tangent,
+            viscous_time: damping * self.relaxation_time,
+        };
+        self.add_tangents(&tangents, matrix);
     }
 
     fn is_viscous(&self) -> bool {

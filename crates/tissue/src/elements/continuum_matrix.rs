@@ -2,10 +2,11 @@
 //!
 //! Nothing changes under translation, so the blocks of the first node are minus the sums of the others.
 
+use super::domains::FourTetrahedra;
 use crate::elements::ElementMatrix;
-use crate::lanes::{FourTangents, FourVectors, Lanes};
-use crate::law::Matrix9;
-use crate::number::{Columns9, Number, Three};
+use crate::lanes::{FourTangents, Lanes, matrix_of};
+use crate::law::{FourFamilies, FourPrincipalTangents, Lame, Matrix9};
+use crate::number::{Columns, Columns9, Number, Three, columns, dot, product, three};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Sets `out`, which is zero, to the matrix of the tangent `tangent` \[Pa\] over a domain of `volume` \[m³\] with these gradients.
@@ -79,7 +80,7 @@ impl<N: Number> DomainTangent<N> {
         let [x, y, z] = &self.0;
         corner.b = b;
         for (p, change) in corner.change.iter_mut().enumerate() {
-            *change = x[p] * b[0] + y[p] * b[1] + z[p] * b[2];
+            *change = z[p].mul_add(b[2], y[p].mul_add(b[1], x[p] * b[0]));
         }
     }
 }
@@ -108,37 +109,140 @@ impl<N: Number> CornerTangent<N> {
         let b = &column.b;
         let mut block = [N::of(0.0); 9];
         for (p, entry) in block.iter_mut().enumerate() {
-            let [x, y, z] = [0, 9, 18].map(|l| self.change[l + p]);
-            *entry = x * b[0] + y * b[1] + z * b[2];
+            let [x, y, z] = three(|l| self.change[9 * l + p]);
+            *entry = z.mul_add(b[2], y.mul_add(b[1], x * b[0]));
         }
         block
     }
 }
 
-/// The blocks of four tetrahedra, those of row node i and column node j at `[i][j]`, each column after column \[N/m\].
-pub(super) type FourMatrices = [[[Lanes; 9]; CORNERS]; CORNERS];
-
 /// Nodes of a tetrahedron.
 pub(super) const CORNERS: usize = 4;
 
-/// Those of these tangents \[Pa\], volumes \[m³\] and gradients.
+/// Pairs of nodes (i, j ≤ i) of a tetrahedron, in ascending order.
+const PAIRS: usize = CORNERS * (CORNERS + 1) / 2;
+
+/// The place of the pair (i, j) of such pairs.
+#[inline(always)]
+const fn pair(i: usize, j: usize) -> usize {
+    i * (i + 1) / 2 + j
+}
+
+/// Matrices of four tetrahedra \[N/m\]: the blocks of row node i and column node j ≤ i, each by its columns.
 ///
-/// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers.
-#[inline(never)]
-pub(super) fn set_matrices(
-    tangents: &FourTangents,
-    volumes: Lanes,
-    gradients: &[FourVectors; CORNERS],
-    matrices: &mut FourMatrices,
-) {
-    let tangents = DomainTangent::new(tangents, volumes);
-    let mut corners = [CornerTangent::zero(); CORNERS];
-    for (corner, b) in corners.iter_mut().zip(gradients) {
-        tangents.set_corner(*b, corner);
+/// Its functions are not inlined: between memory and memory the compiler works on whole registers. Before [`complete`](Self::complete) the blocks
+/// with the first node are zero.
+#[derive(Clone, Copy)]
+pub(super) struct FourMatrices([Columns<Lanes>; PAIRS]);
+
+impl FourMatrices {
+    /// Zero.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self([[[Lanes::splat(0.0); 3]; 3]; PAIRS])
     }
-    for (row, blocks) in matrices.iter_mut().enumerate() {
-        for (block, column) in blocks.iter_mut().zip(&corners) {
-            *block = corners[row].block(column);
+
+    /// Adds those of principal tangents.
+    #[inline(never)]
+    pub fn add_in_axes(&mut self, tangents: &FourPrincipalTangents, shapes: &FourTetrahedra) {
+        let tangents = tangents.scaled(shapes.volumes);
+        let gradients = three(|corner| tangents.in_axes(&shapes.gradients[corner]));
+        self.add_blocks(|i, j| tangents.block(&gradients[i], &gradients[j]));
+    }
+
+    /// Adds those of any tangents.
+    #[inline(never)]
+    pub fn add_tangents(&mut self, tangents: &FourTangents, shapes: &FourTetrahedra) {
+        let tangents = DomainTangent::new(tangents, shapes.volumes);
+        let mut corners = [CornerTangent::zero(); CORNERS - 1];
+        for (corner, b) in corners.iter_mut().zip(&shapes.gradients) {
+            tangents.set_corner(*b, corner);
+        }
+        self.add_blocks(|i, j| {
+            let block = corners[i].block(&corners[j]);
+            columns(|k, i| block[3 * k + i])
+        });
+    }
+
+    /// Adds those of [viscosity](crate::law::viscosity) with the moduli `lame` and `families` times `time` \[s\]: with c_i = F b_i and h_i = F H b_i
+    ///
+    /// ```text
+    /// K_ij = V τ (λ c_i c_jᵀ + μ c_j c_iᵀ + μ (b_i·b_j) F Fᵀ + Σ m h_i h_jᵀ)
+    /// ```
+    #[inline(never)]
+    pub fn add_viscous(
+        &mut self,
+        f: &Columns<Lanes>,
+        lame: &Lame,
+        families: &Option<FourFamilies>,
+        time: f64,
+        shapes: &FourTetrahedra,
+    ) {
+        let scale = shapes.volumes * Lanes::splat(time);
+        let mu = Lanes::splat(lame.mu) * scale;
+        let lambda = Lanes::splat(lame.lambda) * scale;
+        let b = &shapes.gradients;
+        let c = three(|i| product(f, &b[i]));
+        let rows = columns(|i, k| f[k][i]);
+        let left = columns(|k, i| dot(&rows[k], &rows[i]) * mu);
+        self.add_blocks(|i, j| {
+            let along = dot(&b[i], &b[j]);
+            columns(|k, row| {
+                let one = (c[i][row] * lambda).mul_add(c[j][k], left[k][row] * along);
+                (c[j][row] * mu).mul_add(c[i][k], one)
+            })
+        });
+        for (stiffness, structure) in families.iter().flatten() {
+            let stiffness = *stiffness * scale;
+            let h = three(|i| product(f, &product(structure, &b[i])));
+            self.add_blocks(|i, j| columns(|k, row| h[i][row] * h[j][k] * stiffness));
+        }
+    }
+
+    /// Adds to the blocks of the last three nodes, here 0 to 2.
+    #[inline(always)]
+    fn add_blocks(&mut self, block: impl Fn(usize, usize) -> Columns<Lanes>) {
+        for i in 0..CORNERS - 1 {
+            for j in 0..=i {
+                let sum = &mut self.0[pair(i + 1, j + 1)];
+                let block = block(i, j);
+                *sum = columns(|k, row| sum[k][row] + block[k][row]);
+            }
+        }
+    }
+
+    /// Sets the blocks with the first node.
+    #[inline(never)]
+    pub fn complete(&mut self) {
+        for i in 1..CORNERS {
+            let mut sum = [[Lanes::splat(0.0); 3]; 3];
+            for j in 1..CORNERS {
+                sum = match j <= i {
+                    true => {
+                        let block = &self.0[pair(i, j)];
+                        columns(|k, row| sum[k][row] - block[k][row])
+                    }
+                    false => {
+                        let block = &self.0[pair(j, i)];
+                        columns(|k, row| sum[k][row] - block[row][k])
+                    }
+                };
+            }
+            self.0[pair(i, 0)] = sum;
+        }
+        let [one, two, three] = [1, 2, 3].map(|i| self.0[pair(i, 0)]);
+        self.0[0] = columns(|k, row| -(one[k][row] + two[k][row] + three[k][row]));
+    }
+
+    /// The block of row node i and column node j of one of them.
+    #[inline(always)]
+    pub fn block(&self, lane: usize, i: usize, j: usize) -> Matrix3<f64> {
+        match j <= i {
+            true => matrix_of(&self.0[pair(i, j)], lane),
+            false => {
+                let block = &self.0[pair(j, i)];
+                Matrix3::from_fn(|row, k| block[row][k].0[lane])
+            }
         }
     }
 }

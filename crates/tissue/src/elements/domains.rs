@@ -3,9 +3,9 @@
 use super::key::Key;
 use super::splice::{make_room, splice};
 use crate::elements::NodeWindow;
-use crate::lanes::{FourVectors, LANES, Lanes, set_matrix, set_vector, vector_of};
+use crate::lanes::{FourVectors, LANES, Lanes, lanes, set_matrix, set_vector, vector_of};
 use crate::law::{Constants, Law};
-use crate::number::{self, columns, cross, dot};
+use crate::number::{self, columns, columns_of, components_of, cross, dot, three};
 use microsim_mesh::{FAMILIES, TetMesh};
 use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
@@ -48,6 +48,13 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
             set_matrix(&mut four, lane, &self.deformation(domain, positions));
         }
         four
+    }
+
+    /// Gradients and volumes of four domains from `first` on, a multiple of four, if all domains are tetrahedra; those of what is beyond the end
+    /// mean nothing. None by default.
+    #[inline(always)]
+    fn tetrahedra_of_four(&self, _first: usize) -> Option<FourTetrahedra> {
+        None
     }
 
     /// Takes a volume times a factor; all that a domain does is in proportion to its volume.
@@ -102,6 +109,15 @@ pub(super) fn constants_at<D: Domains, C: Constants>(
         0 => *constants,
         _ => constants.along(domains.directions(domain)),
     }
+}
+
+/// Gradients of the last three corners \[1/m\] and volumes \[m³\] of four tetrahedra.
+#[derive(Clone, Copy, Debug)]
+pub struct FourTetrahedra {
+    /// That of the first corner is minus their sum.
+    pub gradients: [FourVectors; 3],
+    /// In the natural state.
+    pub volumes: Lanes,
 }
 
 /// Linear tetrahedra, as arrays.
@@ -296,14 +312,19 @@ impl FourShapes {
     };
 }
 
+/// F = Σ e_i ⊗ g_i of the edges from the first corner and the gradients of the others.
+#[inline(always)]
+fn deformation_of_edges(
+    edges: &[FourVectors; 3],
+    [g1, g2, g3]: &[FourVectors; 3],
+) -> [FourVectors; 3] {
+    three(|k| number::product(edges, &[g1[k], g2[k], g3[k]]))
+}
+
 /// Differences of the last three corners to the first.
 #[inline(always)]
 fn edges_of_four(corners: &[FourVectors; 4]) -> [FourVectors; 3] {
-    let edge = |k: usize| {
-        let (to, from) = (&corners[k], &corners[0]);
-        [to[0] - from[0], to[1] - from[1], to[2] - from[2]]
-    };
-    [edge(1), edge(2), edge(3)]
+    three(|k| three(|i| corners[k + 1][i] - corners[0][i]))
 }
 
 /// Replaces the corners by the forces on them, of which three are given.
@@ -351,26 +372,23 @@ fn forces_by_areas<L: Law>(
 #[inline(never)]
 fn forces_by_stress<L: Law>(
     corners: &mut [FourVectors; 4],
-    [g1, g2, g3]: &[FourVectors; 3],
+    gradients: &[FourVectors; 3],
     volumes: &Lanes,
     directions: &[FourVectors; FAMILIES],
     constants: &L::Constants,
 ) {
-    let edges = edges_of_four(corners);
-    let column = |k: usize| number::product(&edges, &[g1[k], g2[k], g3[k]]);
-    let f = [column(0), column(1), column(2)];
+    let f = deformation_of_edges(&edges_of_four(corners), gradients);
     let stress = L::stress_of_four(&f, directions, constants);
     let minus = -*volumes;
     let scaled = columns(|k, i| stress[k][i] * minus);
-    let forces = [g1, g2, g3].map(|g| number::product(&scaled, g));
+    let forces = three(|corner| number::product(&scaled, &gradients[corner]));
     set_forces(corners, forces);
 }
 
 /// m·v, written out so that it is inlined.
 #[inline(always)]
 pub(super) fn product(m: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
-    let row = |i: usize| m[(i, 0)] * v[0] + m[(i, 1)] * v[1] + m[(i, 2)] * v[2];
-    Vector3::new(row(0), row(1), row(2))
+    number::product(&columns_of(m), &[v[0], v[1], v[2]]).into()
 }
 
 /// Gradients of the shape functions of the last three corners \[1/m\], and the volume \[m³\].
@@ -470,8 +488,36 @@ impl Domains for Tetrahedra {
         let at = |node: u32| &positions[node as usize];
         let (a, b, c, d) = (at(a), at(b), at(c), at(d));
         let [g1, g2, g3] = self.gradients(domain);
-        let (e1, e2, e3) = (b - a, c - a, d - a);
-        Matrix3::from_fn(|i, k| e1[i] * g1[k] + e2[i] * g2[k] + e3[i] * g3[k])
+        let edges = components_of(&[b - a, c - a, d - a]);
+        three(|k| number::product(&edges, &[g1[k], g2[k], g3[k]])).into()
+    }
+
+    #[inline(always)]
+    fn deformations_of_four(&self, first: usize, positions: &[Vector3<f64>]) -> [FourVectors; 3] {
+        let last = self.nodes.len() - 1;
+        let nodes = lanes(|lane| &self.nodes[last.min(first + lane)]);
+        let places = lanes(|lane| nodes[lane].each_ref().map(|n| &positions[*n as usize]));
+        let edges =
+            three(|k| three(|i| Lanes(lanes(|lane| places[lane][k + 1][i] - places[lane][0][i]))));
+        let mut gradients = self.gradients[first / LANES];
+        for lane in 1..LANES {
+            // Beyond the end those of the last one.
+            if first + lane > last {
+                let last = self.gradients(last);
+                for (lanes, gradient) in gradients.iter_mut().zip(&last) {
+                    set_vector(lanes, lane, gradient);
+                }
+            }
+        }
+        deformation_of_edges(&edges, &gradients)
+    }
+
+    #[inline(always)]
+    fn tetrahedra_of_four(&self, first: usize) -> Option<FourTetrahedra> {
+        Some(FourTetrahedra {
+            gradients: self.gradients[first / LANES],
+            volumes: self.volumes[first / LANES],
+        })
     }
 
     #[inline(always)]

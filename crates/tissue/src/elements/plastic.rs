@@ -3,19 +3,23 @@
 //! Energy, forces and tangents are those of the law at F_e = F F_p⁻¹ with F_p held; [`Elements::flow`] changes F_p between two steps
 //! ([`plastic_flow`](super::plastic_flow)). The viscosity is that of the whole deformation F and does not change by flow.
 
-use super::continuum::ContinuumSet;
-use super::continuum_matrix::set_tangent;
-use super::domains::Domains;
+use super::continuum::{ContinuumSet, TangentsOfFour};
+use super::continuum_matrix::{FourMatrices, set_tangent};
+use super::domains::{Domains, FourTetrahedra};
 use super::key::Key;
-use super::plastic_flow::{BLOCKS, ContinuumPlasticity, Flowed, PlasticState};
+use super::plastic_flow::{
+    BLOCKS, ContinuumPlasticity, Flowed, FourStates, PlasticState, constants_of,
+};
 use super::splice::{Blend, Inherited};
 use crate::elements::{
     Configuration, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow, Tangent,
 };
-use crate::lanes::{FourTangents, LANES, Lanes, matrix_of, put_tangent, set_matrix};
-use crate::law::decomposition::SignedSvd;
-use crate::law::{Constants, FourFamilies, Law, viscosity};
-use crate::number::{Columns, Columns9, Number, columns_of};
+use crate::lanes::{FourTangents, LANES, Lanes, lanes, matrix_of, put_tangent};
+use crate::law::decomposition::{FourSvds, SignedSvd};
+use crate::law::{Constants, FourPrincipalTangents, Law, viscosity};
+use crate::number::{
+    Columns, Columns9, Number, columns, columns_of, product, three, transposed_product,
+};
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::ops::Range;
@@ -47,9 +51,25 @@ impl<L: Law, D: Domains> PlasticSet<L, D> {
     }
 
     #[inline(always)]
-    fn families_of_four(&self, first: usize) -> Option<FourFamilies> {
-        let directions = self.elastic.directions_of_four(first);
-        self.elastic.constants.families_of_four(&directions)
+    fn states_of_four(&self, internal: &[f64], first: usize) -> FourStates {
+        FourStates::read(internal, self.elastic.domains.count(), first)
+    }
+
+    /// F_e of four elements at F, and the constants of the law there.
+    #[inline(always)]
+    fn elastic_of_four(
+        &self,
+        first: usize,
+        f: &Columns<Lanes>,
+        states: &FourStates,
+    ) -> (Columns<Lanes>, [L::Constants; LANES]) {
+        let elastic = three(|k| product(f, &states.inverse[k]));
+        let last = self.count() - 1;
+        let constants = lanes(|lane| {
+            let given = self.elastic.constants(last.min(first + lane));
+            constants_of(given, states.stiffening.0[lane])
+        });
+        (elastic, constants)
     }
 
     #[inline(always)]
@@ -66,7 +86,7 @@ fn pull_back<N: Number>(tangent: &mut Columns9<N>, inverse: &Columns<N>, stiffen
         for (j, m) in (0..9).map(|q| (q % 3, q / 3)) {
             let factor = inverse[m][j] * stiffening;
             for i in 0..3 {
-                half[i + 3 * j] = half[i + 3 * j] + factor * column[i + 3 * m];
+                half[i + 3 * j] = column[i + 3 * m].mul_add(factor, half[i + 3 * j]);
             }
         }
     }
@@ -74,7 +94,7 @@ fn pull_back<N: Number>(tangent: &mut Columns9<N>, inverse: &Columns<N>, stiffen
         let mut column = [N::of(0.0); 9];
         for n in 0..3 {
             for (entry, half) in column.iter_mut().zip(&half[k + 3 * n]) {
-                *entry = *entry + *half * inverse[l][n];
+                *entry = half.mul_add(inverse[l][n], *entry);
             }
         }
         tangent[k + 3 * l] = column;
@@ -85,13 +105,83 @@ fn pull_back<N: Number>(tangent: &mut Columns9<N>, inverse: &Columns<N>, stiffen
 ///
 /// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers.
 #[inline(never)]
-fn pull_four_back(tangents: &mut FourTangents, states: &[PlasticState; LANES]) {
-    let mut inverses = [[Lanes::splat(0.0); 3]; 3];
-    for (lane, state) in states.iter().enumerate() {
-        set_matrix(&mut inverses, lane, &state.inverse);
+fn pull_four_back(tangents: &mut FourTangents, states: &FourStates) {
+    pull_back(tangents, &states.inverse, states.stiffening);
+}
+
+/// The tangents of a [`PlasticSet`].
+struct PlasticTangents<'a, L: Law, D> {
+    of: &'a PlasticSet<L, D>,
+    positions: &'a [Vector3<f64>],
+    internal: &'a [f64],
+    tangent: Tangent,
+    /// Factor of the moduli of viscosity \[s\]; zero without.
+    viscous_time: f64,
+}
+
+impl<L: Law, D: Domains> PlasticTangents<'_, L, D> {
+    /// Those of the law at F_e.
+    #[inline(always)]
+    fn set_elastic(
+        &self,
+        elastic: &Columns<Lanes>,
+        constants: &[L::Constants; LANES],
+        tangents: &mut FourTangents,
+    ) {
+        match self.tangent {
+            Tangent::Exact => {
+                for (lane, constants) in constants.iter().enumerate() {
+                    let tangent = L::tangent(&matrix_of(elastic, lane), constants);
+                    put_tangent(tangents, lane, &tangent);
+                }
+            }
+            Tangent::Positive => {
+                L::set_positive_tangents_of_four(&FourSvds::new(elastic), constants, tangents);
+            }
+        }
     }
-    let stiffening = Lanes(states.map(|state| state.stiffening));
-    pull_back(tangents, &inverses, stiffening);
+}
+
+impl<L: Law, D: Domains> TangentsOfFour for PlasticTangents<'_, L, D> {
+    #[inline(always)]
+    fn set_tangents(&self, first: usize, tangents: &mut FourTangents) {
+        let set = &self.of.elastic;
+        let states = self.of.states_of_four(self.internal, first);
+        let f = set.domains.deformations_of_four(first, self.positions);
+        let (elastic, constants) = self.of.elastic_of_four(first, &f, &states);
+        self.set_elastic(&elastic, &constants, tangents);
+        pull_four_back(tangents, &states);
+        if self.viscous_time > 0.0 {
+            let (lame, families) = set.viscous_moduli(first);
+            viscosity::add_tangent(&f, &lame, &families, self.viscous_time, tangents);
+        }
+    }
+
+    /// δF_e of a node is δx ⊗ F_p⁻ᵀ b: the matrix is that of the law alone for these gradients.
+    #[inline(always)]
+    fn add_matrices(&self, first: usize, shapes: &FourTetrahedra, matrices: &mut FourMatrices) {
+        let set = &self.of.elastic;
+        let states = self.of.states_of_four(self.internal, first);
+        let f = set.domains.deformations_of_four(first, self.positions);
+        let (elastic, constants) = self.of.elastic_of_four(first, &f, &states);
+        let pulled = FourTetrahedra {
+            gradients: three(|i| transposed_product(&states.inverse, &shapes.gradients[i])),
+            volumes: shapes.volumes * states.stiffening,
+        };
+        if self.tangent == Tangent::Positive && L::Constants::DIRECTIONS == 0 {
+            let svds = FourSvds::new(&elastic);
+            let tangents = FourPrincipalTangents::positive::<L>(&svds, &constants);
+            matrices.add_in_axes(&tangents, &pulled);
+        } else {
+            let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+            self.set_elastic(&elastic, &constants, &mut tangents);
+            matrices.add_tangents(&tangents, &pulled);
+        }
+        if self.viscous_time > 0.0 {
+            let (lame, families) = set.viscous_moduli(first);
+            matrices.add_viscous(&f, &lame, &families, self.viscous_time, shapes);
+        }
+    }
 }
 
 impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
@@ -115,38 +205,40 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
     }
 
     fn energy(&self, at: &Configuration<'_>) -> f64 {
-        let energies = (0..self.count()).map(|element| {
-            let state = self.state(at.internal, element);
-            let elastic = self.gradient(element, at.positions) * state.inverse;
-            let constants = self.elastic.constants(element);
-            self.elastic.domains.volume(element) * state.energy::<L>(&elastic, &constants)
-        });
-        energies.sum()
+        let mut sum = 0.0;
+        for first in (0..self.count()).step_by(LANES) {
+            let states = self.states_of_four(at.internal, first);
+            let f = self
+                .elastic
+                .domains
+                .deformations_of_four(first, at.positions);
+            let (elastic, constants) = self.elastic_of_four(first, &f, &states);
+            let densities = states.stiffening * L::energy_of_each(&elastic, &constants);
+            for (element, density) in (first..self.count()).zip(densities.0) {
+                sum += self.elastic.domains.volume(element) * density;
+            }
+        }
+        sum
     }
 
     fn add_forces(&self, range: Range<usize>, at: &Configuration<'_>, forces: &mut NodeWindow<'_>) {
         let domains = &self.elastic.domains;
         for first in (range.start / LANES * LANES..range.end).step_by(LANES) {
+            let states = self.states_of_four(at.internal, first);
             let f = domains.deformations_of_four(first, at.positions);
-            let viscous = self.is_viscous().then(|| {
+            let (elastic, constants) = self.elastic_of_four(first, &f, &states);
+            let elastic = L::stress_of_each(&elastic, &constants);
+            // P_e F_p⁻ᵀ.
+            let rows = columns(|j, k| states.inverse[k][j] * states.stiffening);
+            let mut stress = three(|j| product(&elastic, &rows[j]));
+            if self.is_viscous() {
                 let rate = domains.deformations_of_four(first, at.velocities);
-                let lame = self.elastic.constants.elasticity().lame;
-                let families = self.families_of_four(first);
-                viscosity::stress_of(&f, &rate, &lame, &families, self.elastic.relaxation_time)
-            });
-            for lane in 0..LANES {
-                let element = first + lane;
-                if !range.contains(&element) {
-                    continue;
-                }
-                let constants = self.elastic.constants(element);
-                let state = self.state(at.internal, element);
-                let mut stress = state.stress::<L>(&matrix_of(&f, lane), &constants);
-                if let Some(viscous) = &viscous {
-                    stress += matrix_of(viscous, lane);
-                }
-                domains.add_forces(element, &stress, forces);
+                let (lame, families) = self.elastic.viscous_moduli(first);
+                let time = self.elastic.relaxation_time;
+                let viscous = viscosity::stress_of(&f, &rate, &lame, &families, time);
+                stress = columns(|k, i| stress[k][i] + viscous[k][i]);
             }
+            self.elastic.add_stresses(first, &range, &stress, forces);
         }
     }
 
@@ -179,41 +271,14 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
         damping: f64,
         matrix: &mut MatrixWindow<'_>,
     ) {
-        let viscous_time = damping * self.elastic.relaxation_time;
-        let last = self.count().saturating_sub(1);
-        self.elastic.add_tangents(
-            |first, tangents| {
-                let elements = [0, 1, 2, 3].map(|lane| last.min(first + lane));
-                let states = elements.map(|element| self.state(at.internal, element));
-                let f = self
-                    .elastic
-                    .domains
-                    .deformations_of_four(first, at.positions);
-                let elastic = [0, 1, 2, 3].map(|lane| matrix_of(&f, lane) * states[lane].inverse);
-                let constants = [0, 1, 2, 3].map(|lane| {
-                    let given = self.elastic.constants(elements[lane]);
-                    states[lane].constants(given)
-                });
-                match tangent {
-                    Tangent::Exact => {
-                        for (lane, constants) in constants.iter().enumerate() {
-                            put_tangent(tangents, lane, &L::tangent(&elastic[lane], constants));
-                        }
-                    }
-                    Tangent::Positive => {
-                        let elastic = SignedSvd::of_four(&elastic);
-                        L::set_positive_tangents_of_four(&elastic, &constants, tangents);
-                    }
-                }
-                pull_four_back(tangents, &states);
-                if viscous_time > 0.0 {
-                    let lame = self.elastic.constants.elasticity().lame;
-                    let families = self.families_of_four(first);
-                    viscosity::add_tangent(&f, &lame, &families, viscous_time, tangents);
-                }
-            },
-            matrix,
-        );
+        let tangents = PlasticTangents {
+            of: self,
+            positions: at.positions,
+            internal: at.internal,
+            tangent,
+            viscous_time: damping * self.elastic.relaxation_time,
+        };
+        self.elastic.add_tangents(&tangents, matrix);
     }
 
     fn is_viscous(&self) -> bool {

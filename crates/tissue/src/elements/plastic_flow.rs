@@ -28,8 +28,10 @@
 //! flow. A flow that would raise the energy does not happen: of a law whose stress falls while the strain grows (strongly compressed
 //! St Venant–Kirchhoff), or of fibres that the return would stretch. An element that is flat or inverted has no logarithm and does not flow.
 
+use crate::lanes::{Lanes, lanes};
 use crate::law::decomposition::{SignedSvd, symmetric_eigen};
 use crate::law::{Constants, Law};
+use crate::number::{Columns, columns};
 use crate::range::{MaterialError, not_negative, require};
 use nalgebra::{Matrix3, Vector3};
 
@@ -116,6 +118,45 @@ impl ContinuumPlasticity {
     }
 }
 
+/// What the forces of four elements take of their states.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FourStates {
+    /// F_p⁻¹, by its columns.
+    pub inverse: Columns<Lanes>,
+    /// g.
+    pub stiffening: Lanes,
+}
+
+impl FourStates {
+    /// Those of four elements from `first` on, as [`PlasticState::read`]; beyond the end those of the last one.
+    #[inline(always)]
+    pub fn read(internal: &[f64], count: usize, first: usize) -> Self {
+        if internal.is_empty() {
+            let identity = columns(|k, i| Lanes::splat(f64::from(u8::from(k == i))));
+            return Self {
+                inverse: identity,
+                stiffening: Lanes::splat(1.0),
+            };
+        }
+        let elements = lanes(|lane| (count - 1).min(first + lane));
+        let at = |block: usize| {
+            let block = &internal[block * count..(block + 1) * count];
+            Lanes(lanes(|lane| block[elements[lane]]))
+        };
+        let [xx, yy, zz, yz, zx, xy] = [at(0), at(1), at(2), at(3), at(4), at(5)];
+        Self {
+            inverse: [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]],
+            stiffening: at(7),
+        }
+    }
+}
+
+/// Constants of a law with which g times energy, stress and tangent is the law whose isochoric part alone is g times as stiff.
+#[inline(always)]
+pub(super) fn constants_of<C: Constants>(constants: C, stiffening: f64) -> C {
+    constants.with_volumetric(1.0 / stiffening)
+}
+
 impl PlasticState {
     /// Before any flow.
     pub const START: Self = Self {
@@ -125,10 +166,10 @@ impl PlasticState {
         dissipated: 0.0,
     };
 
-    /// Constants of a law with which g times energy, stress and tangent is the law whose isochoric part alone is g times as stiff.
+    /// As [`constants_of`].
     #[inline(always)]
     pub(crate) fn constants<C: Constants>(&self, constants: C) -> C {
-        constants.with_volumetric(1.0 / self.stiffening)
+        constants_of(constants, self.stiffening)
     }
 
     /// Energy density \[J/m³\] at F_e.

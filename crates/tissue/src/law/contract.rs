@@ -1,8 +1,9 @@
 //! What every law fulfils, as one test.
 
-use super::decomposition::SignedSvd;
+use super::decomposition::{FourSvds, SignedSvd};
 use super::{Constants, Family, IsotropicLaw, Lame, Law, Matrix9, PrincipalTangent};
 use crate::lanes::{LANES, Lanes, tangent_of};
+use crate::number::columns;
 use crate::testing::numbers;
 use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
@@ -205,11 +206,12 @@ fn positive_tangent<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
 /// Those of four elements at once have the same bits as one after the other.
 fn four_at_once<L: Law>(states: &[Matrix3<f64>], c: &L::Constants) {
     for f in states.as_chunks::<LANES>().0 {
-        let svds = SignedSvd::of_four(f);
+        let svds = FourSvds::new(&columns(|k, i| Lanes(f.map(|f| f[(i, k)]))));
         let mut tangents = [[Lanes::splat(0.0); 9]; 9];
         L::set_positive_tangents_of_four(&svds, &[*c; LANES], &mut tangents);
-        for (lane, svd) in svds.iter().enumerate() {
-            assert_eq!(tangent_of(&tangents, lane), L::positive_tangent(svd, c));
+        for lane in 0..LANES {
+            let one = L::positive_tangent(&svds.of(lane), c);
+            assert_eq!(tangent_of(&tangents, lane), one);
         }
     }
 }

@@ -5,7 +5,8 @@
 
 mod four;
 
-use crate::lanes::LANES;
+pub use four::FourSvds;
+
 use crate::number::{Columns, Number, columns_of, cross, dot};
 use nalgebra::{Matrix3, Vector3};
 
@@ -87,12 +88,6 @@ impl SignedSvd {
             stretches: stretches * scale,
             v,
         }
-    }
-
-    /// Those of four matrices, in a fraction of the time unless their stretches are very unequal.
-    pub fn of_four(f: &[Matrix3<f64>; LANES]) -> [Self; LANES] {
-        let direct = four::direct(f);
-        [0, 1, 2, 3].map(|lane| direct[lane].unwrap_or_else(|| Self::new(&f[lane])))
     }
 
     /// The rotation of the polar decomposition, U Vᵀ.
@@ -216,6 +211,7 @@ pub fn symmetric_eigen(m: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::{LANES, Lanes};
     use crate::testing::numbers;
 
     /// A few operations of rounding on numbers of the size of the matrix.
@@ -303,8 +299,12 @@ mod tests {
         }
         let mut direct = 0;
         for f in all.as_chunks::<LANES>().0 {
-            direct += four::direct(f).iter().flatten().count();
-            for (f, svd) in f.iter().zip(SignedSvd::of_four(f)) {
+            let columns = [0, 1, 2].map(|k| [0, 1, 2].map(|i| Lanes(f.map(|f| f[(i, k)]))));
+            let (_, is_exact) = four::direct(&columns);
+            direct += is_exact.into_iter().filter(|is_exact| *is_exact).count();
+            let svds = FourSvds::new(&columns);
+            for (lane, f) in f.iter().enumerate() {
+                let svd = svds.of(lane);
                 let bound = 3.0 * (four::COSINE + ROUNDING) * f.amax();
                 let diagonal = Matrix3::from_diagonal(&svd.stretches);
                 let error = (svd.u * diagonal * svd.v.transpose() - f).amax();

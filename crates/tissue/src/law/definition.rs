@@ -1,11 +1,11 @@
 //! What a material law is.
 
 use super::constants::{Constants, Parameters};
-use super::decomposition::SignedSvd;
+use super::decomposition::{FourSvds, SignedSvd};
 use super::elasticity::{Lame, Matrix9};
-use super::principal::PrincipalTangent;
+use super::principal::{FourPrincipalTangents, PrincipalTangent};
 use crate::lanes::{
-    FourTangents, FourVectors, LANES, Lanes, matrix_of, put_tangent, set_matrix, tangent_of,
+    FourTangents, FourVectors, LANES, Lanes, lanes, matrix_of, put_tangent, set_matrix, tangent_of,
     vector_of,
 };
 use microsim_mesh::FAMILIES;
@@ -182,35 +182,46 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
         None
     }
 
-    /// [`energy`](Self::energy) of four elements at once, F by its columns and fibre directions as [`Constants::along`] takes them: the same
-    /// bits. By default one after the other.
+    /// [`energy`](Self::energy) of four elements at once, F by its columns, each with constants of its own: the same bits. By default one after the
+    /// other.
+    #[inline(always)]
+    fn energy_of_each(f: &[FourVectors; 3], constants: &[Self::Constants; LANES]) -> Lanes {
+        let energy = |lane: usize| Self::energy(&matrix_of(f, lane), &constants[lane]);
+        Lanes(lanes(energy))
+    }
+
+    /// [`stress`](Self::stress) of four elements at once, as [`energy_of_each`](Self::energy_of_each).
+    #[inline(always)]
+    fn stress_of_each(
+        f: &[FourVectors; 3],
+        constants: &[Self::Constants; LANES],
+    ) -> [FourVectors; 3] {
+        let mut stresses = [[Lanes::splat(0.0); 3]; 3];
+        for (lane, constants) in constants.iter().enumerate() {
+            let stress = Self::stress(&matrix_of(f, lane), constants);
+            set_matrix(&mut stresses, lane, &stress);
+        }
+        stresses
+    }
+
+    /// [`energy_of_each`](Self::energy_of_each) of elements with the same constants but for the fibre directions, which [`Constants::along`] takes.
     #[inline(always)]
     fn energy_of_four(
         f: &[FourVectors; 3],
         directions: &[FourVectors; FAMILIES],
         constants: &Self::Constants,
     ) -> Lanes {
-        let energies = [0, 1, 2, 3].map(|lane| {
-            let constants = constants.along(directions.map(|a| vector_of(&a, lane)));
-            Self::energy(&matrix_of(f, lane), &constants)
-        });
-        Lanes(energies)
+        Self::energy_of_each(f, &of_four(directions, constants))
     }
 
-    /// [`stress`](Self::stress) of four elements at once, as [`energy_of_four`](Self::energy_of_four).
+    /// [`stress_of_each`](Self::stress_of_each), as [`energy_of_four`](Self::energy_of_four).
     #[inline(always)]
     fn stress_of_four(
         f: &[FourVectors; 3],
         directions: &[FourVectors; FAMILIES],
         constants: &Self::Constants,
     ) -> [FourVectors; 3] {
-        let mut stresses = [[Lanes::splat(0.0); 3]; 3];
-        for lane in 0..LANES {
-            let constants = constants.along(directions.map(|a| vector_of(&a, lane)));
-            let stress = Self::stress(&matrix_of(f, lane), &constants);
-            set_matrix(&mut stresses, lane, &stress);
-        }
-        stresses
+        Self::stress_of_each(f, &of_four(directions, constants))
     }
 
     /// Tangent ∂P/∂F \[Pa\], symmetric; entry (i + 3j, k + 3l) is ∂P_ij/∂F_kl.
@@ -254,20 +265,27 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// Sets `tangents` to [`positive_tangent`](Self::positive_tangent) of four elements at once, each with constants of its own: the same bits.
     #[inline(always)]
     fn set_positive_tangents_of_four(
-        f: &[SignedSvd; LANES],
+        f: &FourSvds,
         constants: &[Self::Constants; LANES],
         tangents: &mut FourTangents,
     ) {
-        let principal =
-            [0, 1, 2, 3].map(|lane| Self::positive_principal_tangent(&f[lane], &constants[lane]));
-        PrincipalTangent::rotate_four(&principal, f, tangents);
+        FourPrincipalTangents::positive::<Self>(f, constants).set_tangents(tangents);
         if Self::Constants::DIRECTIONS == 0 {
             return;
         }
-        for lane in 0..LANES {
+        for (lane, constants) in constants.iter().enumerate() {
             let mut one = tangent_of(tangents, lane);
-            Self::add_positive_fibres(&f[lane], &constants[lane], &mut one);
+            Self::add_positive_fibres(&f.of(lane), constants, &mut one);
             put_tangent(tangents, lane, &one);
         }
     }
+}
+
+/// The constants of four elements with these fibre directions.
+#[inline(always)]
+fn of_four<C: Constants>(directions: &[FourVectors; FAMILIES], constants: &C) -> [C; LANES] {
+    lanes(|lane| match C::DIRECTIONS {
+        0 => *constants,
+        _ => constants.along(directions.each_ref().map(|a| vector_of(a, lane))),
+    })
 }

@@ -4,10 +4,13 @@
 //! stretches and, for each pair of axes, a 2×2 block [[a, b], [b, a]] of the shears (Sifakis & Barbič 2012; Smith, de Goes, Kim
 //! 2019). Its eigenvalues are cut off at zero block by block, which gives the nearest tangent without negative ones.
 
-use super::decomposition::{SignedSvd, symmetric_eigen};
+use super::Law;
+use super::decomposition::{FourSvds, SignedSvd, symmetric_eigen};
 use super::elasticity::Matrix9;
-use crate::lanes::{FourTangents, LANES, Lanes, set_matrix};
-use crate::number::{Columns, Columns9, Number, Three, columns_of};
+use crate::lanes::{FourTangents, FourVectors, LANES, Lanes, lanes};
+use crate::number::{
+    Columns, Columns9, Number, Three, columns, columns_of, product, three, transposed_product,
+};
 use nalgebra::Matrix3;
 
 /// The pairs of axes, in the order of the entries of a shear.
@@ -64,39 +67,9 @@ impl PrincipalTangent {
             crossed: self.crossed,
         };
         let mut tangent = [[0.0; 9]; 9];
-        rotate(
-            &entries,
-            &columns_of(&svd.u),
-            &columns_of(&svd.v),
-            &mut tangent,
-        );
+        let (u, v) = (columns_of(&svd.u), columns_of(&svd.v));
+        rotate(&entries, &u, &v, &mut tangent);
         tangent.into()
-    }
-
-    /// Sets `tangents` to [`rotated`](Self::rotated) of four at once: the same bits.
-    ///
-    /// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers.
-    #[inline(never)]
-    pub(super) fn rotate_four(
-        of: &[Self; LANES],
-        svds: &[SignedSvd; LANES],
-        tangents: &mut FourTangents,
-    ) {
-        let [mut stretch, mut u, mut v] = [[[Lanes::splat(0.0); 3]; 3]; 3];
-        for lane in 0..LANES {
-            set_matrix(&mut stretch, lane, &of[lane].stretch);
-            set_matrix(&mut u, lane, &svds[lane].u);
-            set_matrix(&mut v, lane, &svds[lane].v);
-        }
-        let each = |shears: fn(&Self) -> &[f64; 3]| {
-            [0, 1, 2].map(|k| Lanes(of.each_ref().map(|one| shears(one)[k])))
-        };
-        let entries = Entries {
-            stretch,
-            direct: each(|of| &of.direct),
-            crossed: each(|of| &of.crossed),
-        };
-        rotate(&entries, &u, &v, tangents);
     }
 }
 
@@ -107,6 +80,92 @@ struct Entries<N> {
     crossed: Three<N>,
 }
 
+/// The principal tangents of four elements, with their axes.
+pub struct FourPrincipalTangents {
+    entries: Entries<Lanes>,
+    u: Columns<Lanes>,
+    v: Columns<Lanes>,
+}
+
+impl FourPrincipalTangents {
+    /// The [positive](Law::positive_principal_tangent) ones of a law, each with constants of its own.
+    #[inline(always)]
+    pub fn positive<L: Law>(f: &FourSvds, constants: &[L::Constants; LANES]) -> Self {
+        let of = lanes(|lane| L::positive_principal_tangent(&f.of(lane), &constants[lane]));
+        let stretch = |i: usize, k: usize| Lanes(lanes(|lane| of[lane].stretch[(i, k)]));
+        Self {
+            entries: Entries {
+                stretch: columns(|k, i| stretch(i, k)),
+                direct: three(|pair| Lanes(lanes(|lane| of[lane].direct[pair]))),
+                crossed: three(|pair| Lanes(lanes(|lane| of[lane].crossed[pair]))),
+            },
+            u: f.u,
+            v: f.v,
+        }
+    }
+
+    /// Sets `tangents` to [`rotated`](PrincipalTangent::rotated) of all of them: the same bits.
+    ///
+    /// A function of its own, which is not inlined: between memory and memory the compiler works on whole registers.
+    #[inline(never)]
+    pub fn set_tangents(&self, tangents: &mut FourTangents) {
+        rotate(&self.entries, &self.u, &self.v, tangents);
+    }
+
+    /// The same times a factor.
+    #[inline(always)]
+    pub fn scaled(&self, factor: Lanes) -> Self {
+        let entries = &self.entries;
+        Self {
+            entries: Entries {
+                stretch: columns(|k, i| entries.stretch[k][i] * factor),
+                direct: three(|pair| entries.direct[pair] * factor),
+                crossed: three(|pair| entries.crossed[pair] * factor),
+            },
+            ..*self
+        }
+    }
+
+    /// Vᵀ b of a gradient b \[1/m\].
+    #[inline(always)]
+    pub fn in_axes(&self, gradient: &FourVectors) -> FourVectors {
+        transposed_product(&self.v, gradient)
+    }
+
+    /// Σ_jl T_ijkl b_j c_l, column after column, for the gradients b of the row and c of the column [in these axes](Self::in_axes): there
+    ///
+    /// ```text
+    /// k_aa = S_aa b_a c_a + Σ_(b ≠ a) D_ab b_b c_b        k_ac = S_ac b_a c_c + C_ac b_c c_a
+    /// ```
+    ///
+    /// with the entries S of stretches, D direct and C crossed of shears; then U k Uᵀ.
+    #[inline(always)]
+    pub fn block(&self, row: &FourVectors, column: &FourVectors) -> Columns<Lanes> {
+        let Entries {
+            stretch,
+            direct,
+            crossed,
+        } = &self.entries;
+        let along = three(|a| row[a] * column[a]);
+        // The pair of two axes has the place of the third one.
+        let sheared = three(|a| {
+            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+            direct[b].mul_add(along[c], direct[c] * along[b])
+        });
+        let k = columns(|c, a| match a == c {
+            true => stretch[a][a].mul_add(along[a], sheared[a]),
+            false => {
+                let of_shears = crossed[3 - a - c] * row[c] * column[a];
+                (stretch[c][a] * row[a]).mul_add(column[c], of_shears)
+            }
+        });
+        let half = three(|c| product(&self.u, &k[c]));
+        // (U k) Uᵀ: column l is Σ_c (U k)_c U_lc.
+        let rows = columns(|l, c| self.u[c][l]);
+        three(|l| product(&half, &rows[l]))
+    }
+}
+
 /// Sets `tangent` to Σ T_abcd Q_ab ⊗ Q_cd.
 #[inline(always)]
 fn rotate<N: Number>(of: &Entries<N>, u: &Columns<N>, v: &Columns<N>, tangent: &mut Columns9<N>) {
@@ -114,7 +173,8 @@ fn rotate<N: Number>(of: &Entries<N>, u: &Columns<N>, v: &Columns<N>, tangent: &
     let stretches = [axes(0, 0), axes(1, 1), axes(2, 2)];
     let mut pairs = [([N::of(0.0); 9], [N::of(0.0); 9]); 9];
     for (k, stretch) in stretches.iter().enumerate() {
-        let mut image = stretches[0].map(|entry| entry * of.stretch[k][0]);
+        let mut image = [N::of(0.0); 9];
+        add(&mut image, &stretches[0], of.stretch[k][0]);
         add(&mut image, &stretches[1], of.stretch[k][1]);
         add(&mut image, &stretches[2], of.stretch[k][2]);
         pairs[k] = (*stretch, image);
@@ -122,7 +182,8 @@ fn rotate<N: Number>(of: &Entries<N>, u: &Columns<N>, v: &Columns<N>, tangent: &
     for (k, [i, j]) in PAIRS.into_iter().enumerate() {
         let (one, other) = (axes(i, j), axes(j, i));
         for (place, a, b) in [(3 + k, one, other), (6 + k, other, one)] {
-            let mut image = a.map(|entry| entry * of.direct[k]);
+            let mut image = [N::of(0.0); 9];
+            add(&mut image, &a, of.direct[k]);
             add(&mut image, &b, of.crossed[k]);
             pairs[place] = (a, image);
         }
@@ -150,7 +211,7 @@ fn outer<N: Number>(u: &Three<N>, v: &Three<N>) -> [N; 9] {
 #[inline(always)]
 fn add<N: Number>(sum: &mut [N; 9], other: &[N; 9], factor: N) {
     for (entry, other) in sum.iter_mut().zip(other) {
-        *entry = *entry + *other * factor;
+        *entry = other.mul_add(factor, *entry);
     }
 }
 
