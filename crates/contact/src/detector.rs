@@ -12,7 +12,6 @@ use crate::pair::{ContactPair, Detection, VesselEnd};
 use crate::point::Point;
 use crate::surface::ContactSurface;
 use crate::surface_update::SurfaceUpdate;
-use crate::tool_contact::Inside;
 use crate::{near, obstacle_contact, tool_contact};
 
 /// Finds the points of contact of a group of bodies. What it retains from call to call is working memory: a result depends on the
@@ -52,7 +51,7 @@ pub struct Detector {
     pairs: Vec<Pair>,
     /// Working memory.
     features: Features,
-    inside: Vec<Inside>,
+    tool_scratch: tool_contact::Scratch,
 }
 
 /// A pair, with both passes where bodies touch one another.
@@ -103,7 +102,7 @@ impl Detector {
             obstacles,
             pairs: pairs.collect(),
             features: Features::default(),
-            inside: Vec::new(),
+            tool_scratch: tool_contact::Scratch::default(),
         }
     }
 
@@ -203,12 +202,19 @@ impl Detector {
             passes,
         } in &mut self.pairs
         {
-            let (features, inside) = (&mut self.features, &mut self.inside);
+            let (features, scratch) = (&mut self.features, &mut self.tool_scratch);
             match touch {
                 &mut ContactPair::Tool { body, tool } => {
                     if let Some(Some(capsules)) = frame.tools.get(tool as usize) {
                         let body = &self.bodies[body as usize];
-                        tool_contact::find(body, (tool, capsules), frame, features, inside, points);
+                        tool_contact::find(
+                            body,
+                            (tool, capsules),
+                            frame,
+                            features,
+                            scratch,
+                            points,
+                        );
                     }
                 }
                 &mut ContactPair::Obstacle { body, part } => {

@@ -56,6 +56,24 @@ pub(crate) struct Inside {
     distance: f64,
 }
 
+/// What a search works with, retained from one to the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    inside: Vec<Inside>,
+    /// By node, those of the nodes near the capsule.
+    reaches: Vec<Reach>,
+}
+
+/// Where a node is to the axis of a capsule.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reach {
+    /// Its distance before the step and now \[m\].
+    before: f64,
+    now: f64,
+    /// How far it goes \[m\].
+    travel: f64,
+}
+
 /// A feature and the place on an axis that it touches.
 #[derive(Clone, Copy, Debug)]
 struct Touching {
@@ -84,9 +102,11 @@ pub(crate) fn find(
     (tool, capsules): (u32, &[CapsuleMotion]),
     frame: &Frame<'_>,
     features: &mut Features,
-    inside: &mut Vec<Inside>,
+    scratch: &mut Scratch,
     points: &mut Vec<Point>,
 ) {
+    let Scratch { inside, reaches } = scratch;
+    reaches.resize(frame.now.len(), Reach::default());
     for (index, motion) in capsules.iter().enumerate() {
         let Some(bounds) = reach(body, motion, frame) else {
             continue;
@@ -114,14 +134,16 @@ pub(crate) fn find(
             points,
         };
         for &node in &features.nodes {
-            search.node(node);
+            reaches[node as usize] = search.node(node);
         }
         for &edge in &features.edges {
-            search.edge(edge);
+            search.edge(edge, reaches);
         }
         for &triangle in &features.triangles {
-            search.face(triangle, 0);
-            search.face(triangle, 1);
+            if search.may_touch_face(triangle, reaches) {
+                search.face(triangle, 0);
+                search.face(triangle, 1);
+            }
         }
         search.leave();
     }
@@ -149,25 +171,32 @@ struct Places<'a> {
     t: f64,
     /// Weights of the nodes now.
     weights: [f64; 2],
-    /// How far the nodes go \[m\], at most.
-    travel: f64,
+    /// Distance from the axis before the step and now, and how far the nodes go, at most.
+    reach: Reach,
 }
 
 impl Search<'_> {
-    fn node(&mut self, node: u32) {
+    /// Adds the point of a node, if there is one.
+    fn node(&mut self, node: u32) -> Reach {
         let SweptCapsule { start, end, .. } = self.swept;
         let (from, to) = (
             self.frame.start[node as usize],
             self.frame.now[node as usize],
         );
         let on_axis = end.axis_point(&to);
+        let (before, now) = (from - start.axis_point(&from).point, to - on_axis.point);
+        let reach = Reach {
+            before: before.norm(),
+            now: now.norm(),
+            travel: (to - from).norm(),
+        };
         let places = Places {
             nodes: &[node],
-            start: from - start.axis_point(&from).point,
-            now: to - on_axis.point,
+            start: before,
+            now,
             t: on_axis.t,
             weights: [1.0, 0.0],
-            travel: (to - from).norm(),
+            reach,
         };
         let motion = Motion {
             start: [from, from],
@@ -177,25 +206,41 @@ impl Search<'_> {
         self.point_or_edge(&places, &motion, |search| {
             search.normals.of_node(surface, now, node)
         });
+        reach
     }
 
-    fn edge(&mut self, edge: u32) {
+    /// Adds the point of an edge, if there is one.
+    fn edge(&mut self, edge: u32, reaches: &[Reach]) {
         let SweptCapsule { start, end, .. } = self.swept;
         let nodes = self.surface.edges[edge as usize].nodes;
         let from = nodes.map(|node| self.frame.start[node as usize]);
-        if self.is_small(&from) {
+        let to = nodes.map(|node| self.frame.now[node as usize]);
+        // No point of a segment is nearer than half of what the distances of its ends exceed its length by.
+        let [one, two] = nodes.map(|node| reaches[node as usize]);
+        let travel = one.travel.max(two.travel);
+        let least = Reach {
+            before: 0.5 * (one.before + two.before - (from[1] - from[0]).norm()),
+            now: 0.5 * (one.now + two.now - (to[1] - to[0]).norm()),
+            travel,
+        };
+        if self.is_out_of_reach(&least) || self.is_small(&from) {
             return;
         }
-        let to = nodes.map(|node| self.frame.now[node as usize]);
         let closest = closest_segments(&to[0], &to[1], &end.a, &end.b);
         let before = closest_segments(&from[0], &from[1], &start.a, &start.b);
+        let start = before.first.point - before.second.point;
+        let now = closest.first.point - closest.second.point;
         let places = Places {
             nodes: &nodes,
-            start: before.first.point - before.second.point,
-            now: closest.first.point - closest.second.point,
+            start,
+            now,
             t: closest.second.t,
             weights: [1.0 - closest.first.t, closest.first.t],
-            travel: (to[0] - from[0]).norm().max((to[1] - from[1]).norm()),
+            reach: Reach {
+                before: start.norm(),
+                now: now.norm(),
+                travel,
+            },
         };
         let motion = Motion {
             start: from,
@@ -218,6 +263,46 @@ impl Search<'_> {
         })
     }
 
+    fn is_near(&self, of: &Reach) -> bool {
+        of.now - self.swept.end.radius < self.frame.reach
+    }
+
+    /// Whether it may have been in the capsule meanwhile: a distance changes by no more than the displacements.
+    fn may_pass(&self, of: &Reach) -> bool {
+        let travel = of.travel + self.swept.travel;
+        of.before + of.now - travel < 2.0 * self.swept.end.radius
+    }
+
+    /// Whether what is nowhere nearer than this, but for rounding, does not touch.
+    fn is_out_of_reach(&self, least: &Reach) -> bool {
+        let rounding = ON_AXIS * self.swept.end.radius;
+        let least = Reach {
+            before: least.before - rounding,
+            now: least.now - rounding,
+            ..*least
+        };
+        !(self.is_near(&least) || self.may_pass(&least))
+    }
+
+    /// Whether an end of the axis may touch the inside of a face, or have come through it: that end is at a distance of 0 meanwhile.
+    fn may_touch_face(&self, triangle: u32, reaches: &[Reach]) -> bool {
+        let corners = self.surface.corners(self.frame.now, triangle);
+        let reaches = self.surface.triangles[triangle as usize].map(|node| reaches[node as usize]);
+        let longest = (0..3)
+            .map(|k| (corners[(k + 1) % 3] - corners[k]).norm_squared())
+            .fold(0.0, f64::max);
+        // No point of a triangle is further from the nearest corner (Jung 1901).
+        let radius = (longest / 3.0).sqrt();
+        let nearest = reaches
+            .iter()
+            .map(|of| of.now)
+            .fold(f64::INFINITY, f64::min)
+            - radius;
+        let travel = reaches.iter().map(|of| of.travel).fold(0.0, f64::max) + self.swept.travel;
+        let most = travel.max(self.swept.end.radius + self.frame.reach);
+        nearest <= most * (1.0 + ON_AXIS)
+    }
+
     /// Adds the point of a node or an edge, if there is one.
     fn point_or_edge(
         &mut self,
@@ -226,11 +311,9 @@ impl Search<'_> {
         outward: impl FnOnce(&mut Self) -> Vector3<f64>,
     ) {
         let radius = self.swept.end.radius;
-        let (before, distance) = (places.start.norm(), places.now.norm());
-        let travel = places.travel + self.swept.travel;
-        let near = distance - radius < self.frame.reach;
-        // The distance changes by no more than the displacements.
-        let may_pass = before + distance - travel < 2.0 * radius;
+        let (before, distance) = (places.reach.before, places.reach.now);
+        let travel = places.reach.travel + self.swept.travel;
+        let (near, may_pass) = (self.is_near(&places.reach), self.may_pass(&places.reach));
         if !(near || may_pass) {
             return;
         }

@@ -158,17 +158,35 @@ struct Side {
     is_shred: bool,
     /// From the natural state; `None` without volume at rest.
     gradient: Option<Matrix3<f64>>,
+    /// Whether no fibre in it is stretched as far as anything in the body tears.
+    holds: bool,
 }
 
 impl Side {
-    fn new(body: &Body, topology: &Topology, positions: &[Vector3<f64>], element: u32) -> Self {
+    /// `weakest` is the least strain that anything in the body bears.
+    fn new(
+        body: &Body,
+        topology: &Topology,
+        positions: &[Vector3<f64>],
+        element: u32,
+        weakest: f64,
+    ) -> Self {
+        let gradient = deformation_gradient(body, positions, element);
         Self {
             volume: rest_volume(body, element),
             limit: limit_of(body, element),
             is_shred: is_shred(body, topology, element),
-            gradient: deformation_gradient(body, positions, element),
+            gradient,
+            holds: gradient.is_none_or(|f| is_stretched_less(&f, 1.0 + weakest)),
         }
     }
+}
+
+/// Whether all principal stretches of F are below `limit`: all eigenvalues of limit² 1 − FᵀF are positive (Sylvester).
+fn is_stretched_less(f: &Matrix3<f64>, limit: f64) -> bool {
+    let rest = Matrix3::from_diagonal_element(limit * limit) - f.tr_mul(f);
+    let minor = rest[(0, 0)] * rest[(1, 1)] - rest[(0, 1)] * rest[(1, 0)];
+    rest[(0, 0)] > 0.0 && minor > 0.0 && rest.determinant() > 0.0
 }
 
 /// The inner faces that fail: element and the corner opposite.
@@ -176,8 +194,10 @@ fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
     let Some(topology) = of_what_can_tear(body) else {
         return Vec::new();
     };
+    let strains = body.tear_strains.iter().map(|(_, strain)| *strain);
+    let weakest = strains.fold(f64::INFINITY, f64::min);
     let elements = 0..body.mesh.tets.len() as u32;
-    let side = |element| Side::new(body, topology, positions, element);
+    let side = |element| Side::new(body, topology, positions, element, weakest);
     let sides: Vec<Side> = elements.clone().map(side).collect();
     let mut found: Vec<(f64, u32, u8)> = Vec::new();
     for element in elements {
@@ -194,6 +214,9 @@ fn overstretched(body: &Body, positions: &[Vector3<f64>]) -> Vec<(u32, u8)> {
                 continue;
             }
             let beside = &sides[other as usize];
+            if own.holds && beside.holds {
+                continue;
+            }
             let limit = [own.limit, beside.limit].into_iter().flatten();
             let first = element < other && !beside.is_shred;
             let (Some(limit), true) = (limit.reduce(f64::min), first) else {
