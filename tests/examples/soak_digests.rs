@@ -1,7 +1,9 @@
 //! `cargo xtask soak digests`: the physics digest of every shipped script and scene, compared with the recorded ones in
 //! `tests/results/digests.csv`.
 //!
-//! `-- --record` writes that file instead; `-- PREFIX` takes only what begins with PREFIX (`scenes/cut`, `coordination/level4`).
+//! A script that passes or fails otherwise than its name states is a fault.
+//!
+//! `-- --record` writes that file instead of comparing; `-- PREFIX` takes only what begins with PREFIX (`scenes/cut`, `coordination/level4`).
 
 use microsim_tests::digests::{Row, all, file, from_csv, to_csv};
 use microsim_tests::scratch;
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
             let row = subject.run(folder.path(), 1);
             let last = recorded.iter().find(|last| last.subject == subject);
             let found = match last {
+                _ if !row.is_as_named() => "NOT WHAT ITS NAME STATES",
                 None => "new",
                 Some(last) if last.physics_digest != row.physics_digest => "PHYSICS CHANGED",
                 Some(last) if last.result != row.result => "RESULT CHANGED",
@@ -60,6 +63,7 @@ fn main() -> ExitCode {
         });
     });
     let mut rows = rows.into_inner().expect("no panic");
+    let misnamed = rows.iter().filter(|row| !row.is_as_named()).count();
     let changed = rows.iter().filter(|row| {
         let last = recorded.iter().find(|last| last.subject == row.subject);
         last.is_none_or(|last| {
@@ -68,7 +72,7 @@ fn main() -> ExitCode {
     });
     let changed = changed.count();
     println!(
-        "{} runs, {changed} without the recorded physics or result",
+        "{} runs, {changed} without the recorded physics or result, {misnamed} that pass or fail otherwise than their name states",
         rows.len()
     );
     if record {
@@ -79,9 +83,8 @@ fn main() -> ExitCode {
         );
         rows.sort_by(|a, b| a.subject.cmp(&b.subject));
         std::fs::write(file(), to_csv(&rows)).expect("tests/results can be written");
-        return ExitCode::SUCCESS;
     }
-    if changed > 0 {
+    if misnamed > 0 || (changed > 0 && !record) {
         ExitCode::FAILURE
     } else {
         ExitCode::SUCCESS

@@ -25,8 +25,24 @@ pub struct Row {
     pub physics_digest: String,
     /// The state hash, hexadecimal.
     pub state_hash: String,
-    /// Verdict and score of a script, status of a scene.
+    /// Verdict, score and reasons of failure of a script, status of a scene.
     pub result: String,
+}
+
+impl Row {
+    /// Whether a script `levelN-fail-REASON` failed for that reason alone; any other must not fail.
+    pub fn is_as_named(&self) -> bool {
+        let Subject::Script(_, script) = &self.subject else {
+            return true;
+        };
+        let mut words = self.result.split(' ');
+        let verdict = words.next();
+        let reasons: Vec<&str> = words.skip(1).collect();
+        match script.split_once("-fail-") {
+            None => verdict == Some("passed"),
+            Some((_, reason)) => verdict == Some("failed") && reasons == [reason],
+        }
+    }
 }
 
 /// The recorded digests.
@@ -78,7 +94,10 @@ impl Subject {
                 let session = folder.join(format!("{module}-{script}-{threads}.session"));
                 let args = ["--level", &level, "--input", &input, "--threads", &threads];
                 let printed = run(module, &session, &args);
-                let result = format!("{} {}", text(&printed["verdict"]), printed["score"]);
+                let mut result = format!("{} {}", text(&printed["verdict"]), printed["score"]);
+                for reason in printed["failed"].as_array().into_iter().flatten() {
+                    let _ = write!(result, " {}", text(reason));
+                }
                 (printed, result)
             }
         };
