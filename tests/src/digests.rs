@@ -30,7 +30,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Whether a script `levelN-fail-REASON` failed for that reason alone; any other must not fail.
+    /// Whether a script `levelN-fail-REASON` failed for that reason alone; any other must have passed.
     pub fn is_as_named(&self) -> bool {
         let Subject::Script(_, script) = &self.subject else {
             return true;

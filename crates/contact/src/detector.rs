@@ -51,7 +51,7 @@ pub struct Detector {
     pairs: Vec<Pair>,
     /// Working memory.
     features: Features,
-    tool_scratch: tool_contact::Scratch,
+    pub(crate) tool_scratch: tool_contact::Scratch,
 }
 
 /// A pair, with both passes where bodies touch one another.

@@ -32,6 +32,10 @@ const FACING: f64 = 0.1;
 /// it has grazed.
 const THROUGH: f64 = -0.5;
 
+/// By this fraction of sizes and displacements what has come through a face may miss it: far above
+/// [`CONTACT_TOLERANCE`](microsim_geometry::CONTACT_TOLERANCE).
+const PASSED: f64 = 1e-3;
+
 /// Edges up to this fraction of the radius, and faces of such, are left to their nodes: between nodes on the capsule a chord is inside by an
 /// eighth of its length times this fraction, 1 % of it. A surface that lies close to a wide capsule would else be held off by that, at
 /// places that jump with every small turn of its faces.
@@ -59,14 +63,16 @@ pub(crate) struct Inside {
 /// What a search works with, retained from one to the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
+    /// Leaves no feature out by the distances of its nodes: what tests compare with.
+    pub compares_all: bool,
     inside: Vec<Inside>,
-    /// By node, those of the nodes near the capsule.
-    reaches: Vec<Reach>,
+    /// By node; of another capsule unless the node is among the features that were found near this one.
+    distances: Vec<Distances>,
 }
 
 /// Where a node is to the axis of a capsule.
 #[derive(Clone, Copy, Debug, Default)]
-struct Reach {
+struct Distances {
     /// Its distance before the step and now \[m\].
     before: f64,
     now: f64,
@@ -105,8 +111,12 @@ pub(crate) fn find(
     scratch: &mut Scratch,
     points: &mut Vec<Point>,
 ) {
-    let Scratch { inside, reaches } = scratch;
-    reaches.resize(frame.now.len(), Reach::default());
+    let Scratch {
+        inside,
+        distances,
+        compares_all,
+    } = scratch;
+    distances.resize(frame.now.len(), Distances::default());
     for (index, motion) in capsules.iter().enumerate() {
         let Some(bounds) = reach(body, motion, frame) else {
             continue;
@@ -130,17 +140,18 @@ pub(crate) fn find(
             frame,
             swept: &swept,
             front: f64::INFINITY,
+            compares_all: *compares_all,
             inside: &mut *inside,
             points,
         };
         for &node in &features.nodes {
-            reaches[node as usize] = search.node(node);
+            distances[node as usize] = search.node(node);
         }
         for &edge in &features.edges {
-            search.edge(edge, reaches);
+            search.edge(edge, distances);
         }
         for &triangle in &features.triangles {
-            if search.may_touch_face(triangle, reaches) {
+            if search.may_touch_face(triangle, distances) {
                 search.face(triangle, 0);
                 search.face(triangle, 1);
             }
@@ -157,6 +168,7 @@ struct Search<'a> {
     swept: &'a SweptCapsule,
     /// The smallest distance from the axis before the step, of features that face it and touch.
     front: f64,
+    compares_all: bool,
     inside: &'a mut Vec<Inside>,
     points: &'a mut Vec<Point>,
 }
@@ -172,31 +184,32 @@ struct Places<'a> {
     /// Weights of the nodes now.
     weights: [f64; 2],
     /// Distance from the axis before the step and now, and how far the nodes go, at most.
-    reach: Reach,
+    distances: Distances,
 }
 
 impl Search<'_> {
-    /// Adds the point of a node, if there is one.
-    fn node(&mut self, node: u32) -> Reach {
+    /// Adds the point of a node, if there is one; gives where it is.
+    fn node(&mut self, node: u32) -> Distances {
         let SweptCapsule { start, end, .. } = self.swept;
         let (from, to) = (
             self.frame.start[node as usize],
             self.frame.now[node as usize],
         );
         let on_axis = end.axis_point(&to);
-        let (before, now) = (from - start.axis_point(&from).point, to - on_axis.point);
-        let reach = Reach {
-            before: before.norm(),
-            now: now.norm(),
+        let apart_before = from - start.axis_point(&from).point;
+        let apart = to - on_axis.point;
+        let distances = Distances {
+            before: apart_before.norm(),
+            now: apart.norm(),
             travel: (to - from).norm(),
         };
         let places = Places {
             nodes: &[node],
-            start: before,
-            now,
+            start: apart_before,
+            now: apart,
             t: on_axis.t,
             weights: [1.0, 0.0],
-            reach,
+            distances,
         };
         let motion = Motion {
             start: [from, from],
@@ -206,19 +219,19 @@ impl Search<'_> {
         self.point_or_edge(&places, &motion, |search| {
             search.normals.of_node(surface, now, node)
         });
-        reach
+        distances
     }
 
     /// Adds the point of an edge, if there is one.
-    fn edge(&mut self, edge: u32, reaches: &[Reach]) {
+    fn edge(&mut self, edge: u32, distances: &[Distances]) {
         let SweptCapsule { start, end, .. } = self.swept;
         let nodes = self.surface.edges[edge as usize].nodes;
         let from = nodes.map(|node| self.frame.start[node as usize]);
         let to = nodes.map(|node| self.frame.now[node as usize]);
         // No point of a segment is nearer than half of what the distances of its ends exceed its length by.
-        let [one, two] = nodes.map(|node| reaches[node as usize]);
+        let [one, two] = nodes.map(|node| distances[node as usize]);
         let travel = one.travel.max(two.travel);
-        let least = Reach {
+        let least = Distances {
             before: 0.5 * (one.before + two.before - (from[1] - from[0]).norm()),
             now: 0.5 * (one.now + two.now - (to[1] - to[0]).norm()),
             travel,
@@ -228,17 +241,17 @@ impl Search<'_> {
         }
         let closest = closest_segments(&to[0], &to[1], &end.a, &end.b);
         let before = closest_segments(&from[0], &from[1], &start.a, &start.b);
-        let start = before.first.point - before.second.point;
-        let now = closest.first.point - closest.second.point;
+        let apart_before = before.first.point - before.second.point;
+        let apart = closest.first.point - closest.second.point;
         let places = Places {
             nodes: &nodes,
-            start,
-            now,
+            start: apart_before,
+            now: apart,
             t: closest.second.t,
             weights: [1.0 - closest.first.t, closest.first.t],
-            reach: Reach {
-                before: start.norm(),
-                now: now.norm(),
+            distances: Distances {
+                before: apart_before.norm(),
+                now: apart.norm(),
                 travel,
             },
         };
@@ -263,20 +276,23 @@ impl Search<'_> {
         })
     }
 
-    fn is_near(&self, of: &Reach) -> bool {
+    fn is_near(&self, of: &Distances) -> bool {
         of.now - self.swept.end.radius < self.frame.reach
     }
 
     /// Whether it may have been in the capsule meanwhile: a distance changes by no more than the displacements.
-    fn may_pass(&self, of: &Reach) -> bool {
+    fn may_pass(&self, of: &Distances) -> bool {
         let travel = of.travel + self.swept.travel;
         of.before + of.now - travel < 2.0 * self.swept.end.radius
     }
 
     /// Whether what is nowhere nearer than this, but for rounding, does not touch.
-    fn is_out_of_reach(&self, least: &Reach) -> bool {
+    fn is_out_of_reach(&self, least: &Distances) -> bool {
+        if self.compares_all {
+            return false;
+        }
         let rounding = ON_AXIS * self.swept.end.radius;
-        let least = Reach {
+        let least = Distances {
             before: least.before - rounding,
             now: least.now - rounding,
             ..*least
@@ -284,23 +300,21 @@ impl Search<'_> {
         !(self.is_near(&least) || self.may_pass(&least))
     }
 
-    /// Whether an end of the axis may touch the inside of a face, or have come through it: that end is at a distance of 0 meanwhile.
-    fn may_touch_face(&self, triangle: u32, reaches: &[Reach]) -> bool {
+    /// Whether an end of the axis may touch the inside of a face, or have come through it: its distance from it was 0 meanwhile, but for
+    /// [`PASSED`].
+    fn may_touch_face(&self, triangle: u32, distances: &[Distances]) -> bool {
         let corners = self.surface.corners(self.frame.now, triangle);
-        let reaches = self.surface.triangles[triangle as usize].map(|node| reaches[node as usize]);
+        let nodes = self.surface.triangles[triangle as usize];
+        let of = nodes.map(|node| distances[node as usize]);
         let longest = (0..3)
             .map(|k| (corners[(k + 1) % 3] - corners[k]).norm_squared())
             .fold(0.0, f64::max);
-        // No point of a triangle is further from the nearest corner (Jung 1901).
+        // With barycentric coordinates λ of a point p, Σ λ_k |p − v_k|² is at most R² = longest²/3 (Jung 1901), and so is the least of the |p − v_k|².
         let radius = (longest / 3.0).sqrt();
-        let nearest = reaches
-            .iter()
-            .map(|of| of.now)
-            .fold(f64::INFINITY, f64::min)
-            - radius;
-        let travel = reaches.iter().map(|of| of.travel).fold(0.0, f64::max) + self.swept.travel;
+        let nearest = of.iter().map(|of| of.now).fold(f64::INFINITY, f64::min) - radius;
+        let travel = of.iter().map(|of| of.travel).fold(0.0, f64::max) + self.swept.travel;
         let most = travel.max(self.swept.end.radius + self.frame.reach);
-        nearest <= most * (1.0 + ON_AXIS)
+        self.compares_all || nearest <= most + PASSED * (most + radius)
     }
 
     /// Adds the point of a node or an edge, if there is one.
@@ -311,9 +325,12 @@ impl Search<'_> {
         outward: impl FnOnce(&mut Self) -> Vector3<f64>,
     ) {
         let radius = self.swept.end.radius;
-        let (before, distance) = (places.reach.before, places.reach.now);
-        let travel = places.reach.travel + self.swept.travel;
-        let (near, may_pass) = (self.is_near(&places.reach), self.may_pass(&places.reach));
+        let (before, distance) = (places.distances.before, places.distances.now);
+        let travel = places.distances.travel + self.swept.travel;
+        let (near, may_pass) = (
+            self.is_near(&places.distances),
+            self.may_pass(&places.distances),
+        );
         if !(near || may_pass) {
             return;
         }

@@ -5,8 +5,8 @@
 use crate::spec::BodySpec;
 use microsim_mesh::TetMesh;
 use microsim_tissue::elements::PlasticState;
-use microsim_tissue::law::decomposition::FourSvds;
-use microsim_tissue::{Behaviour, ContinuumConstants, LANES, Lanes, Material};
+use microsim_tissue::law::decomposition;
+use microsim_tissue::{Behaviour, ContinuumConstants, Material};
 use nalgebra::{Matrix3, Vector3};
 
 /// Elastic Cauchy stress σ = P Fᵀ/J of each element of `mesh`, that of the body as it is now, with its nodes at `positions` \[m\], in pascals. `flowed`
@@ -69,16 +69,9 @@ pub fn green_strains(mesh: &TetMesh, positions: &[Vector3<f64>]) -> Vec<Matrix3<
 
 /// Largest principal stretch from the natural state of each element of `mesh` with its nodes at `positions` \[m\], by the deformation of its corners; with what has flowed.
 pub fn largest_stretches(mesh: &TetMesh, positions: &[Vector3<f64>]) -> Vec<f64> {
-    let count = mesh.tets.len();
-    let mut stretches = Vec::with_capacity(count);
-    for first in (0..count).step_by(LANES) {
-        let f =
-            [0, 1, 2, 3].map(|lane| deformation(mesh, (count - 1).min(first + lane), positions));
-        let columns = [0, 1, 2].map(|k| [0, 1, 2].map(|i| Lanes(f.map(|f| f[(i, k)]))));
-        let [largest, ..] = FourSvds::new(&columns).stretches;
-        stretches.extend((first..count).zip(largest.0).map(|(_, stretch)| stretch));
-    }
-    stretches
+    decomposition::largest_stretches(
+        (0..mesh.tets.len()).map(|element| deformation(mesh, element, positions)),
+    )
 }
 
 /// Von Mises stress √(3/2 s:s) of a stress with deviator s, in its unit.

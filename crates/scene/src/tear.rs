@@ -24,6 +24,9 @@ const TOGETHER: f64 = 0.8;
 /// An element with less than this fraction of the mean volume of the whole mesh is a shred.
 const SHRED_VOLUME: f64 = 0.2;
 
+/// By this fraction less than the limit nothing fails, however stretches are rounded.
+const ROUNDING: f64 = 1e-12;
+
 /// What came apart in a body, with the numbers of pieces that came off.
 type Torn = Option<(microsim_cutting::Cut, Vec<u32>)>;
 
@@ -177,16 +180,17 @@ impl Side {
             limit: limit_of(body, element),
             is_shred: is_shred(body, topology, element),
             gradient,
-            holds: gradient.is_none_or(|f| is_stretched_less(&f, 1.0 + weakest)),
+            holds: gradient
+                .is_none_or(|f| is_stretched_less(&f, (1.0 + weakest) * (1.0 - ROUNDING))),
         }
     }
 }
 
 /// Whether all principal stretches of F are below `limit`: all eigenvalues of limit² 1 − FᵀF are positive (Sylvester).
 fn is_stretched_less(f: &Matrix3<f64>, limit: f64) -> bool {
-    let rest = Matrix3::from_diagonal_element(limit * limit) - f.tr_mul(f);
-    let minor = rest[(0, 0)] * rest[(1, 1)] - rest[(0, 1)] * rest[(1, 0)];
-    rest[(0, 0)] > 0.0 && minor > 0.0 && rest.determinant() > 0.0
+    let left = Matrix3::from_diagonal_element(limit * limit) - f.tr_mul(f);
+    let minor = left[(0, 0)] * left[(1, 1)] - left[(0, 1)] * left[(1, 0)];
+    left[(0, 0)] > 0.0 && minor > 0.0 && left.determinant() > 0.0
 }
 
 /// The inner faces that fail: element and the corner opposite.
@@ -275,4 +279,30 @@ fn deformation_gradient(
         None => now * rest,
         Some(prestretch) => now * rest * prestretch,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use microsim_random::SplitMix64;
+
+    /// By the singular values, which are found otherwise; what is not finite is never stretched less.
+    #[test]
+    fn stretched_less_is_what_singular_values_are() {
+        let mut random = SplitMix64(3);
+        let mut found = [0; 2];
+        for _ in 0..2000 {
+            let f = Matrix3::from_columns(&[0; 3].map(|_| random.vector()));
+            let largest = SignedSvd::new(&f).stretches[0];
+            let limit = 1.0 + 0.8 * random.number();
+            let is_less = is_stretched_less(&f, limit);
+            assert_eq!(is_less, largest < limit, "{largest} {limit} {f}");
+            found[usize::from(is_less)] += 1;
+        }
+        assert!(found.iter().all(|count| *count > 200), "{found:?}");
+        for broken in [f64::NAN, f64::INFINITY] {
+            let f = Matrix3::from_diagonal(&Vector3::new(1.0, broken, 1.0));
+            assert!(!is_stretched_less(&f, 2.0));
+        }
+    }
 }

@@ -167,6 +167,12 @@ pub fn set_matrix(m: &mut [FourVectors; 3], lane: usize, one: &Matrix3<f64>) {
     }
 }
 
+/// The columns of four matrices.
+#[inline(always)]
+pub fn four_columns(m: &[Matrix3<f64>; LANES]) -> [FourVectors; 3] {
+    [0, 1, 2].map(|k| [0, 1, 2].map(|i| Lanes(m.each_ref().map(|m| m[(i, k)]))))
+}
+
 /// Four tangents ∂P/∂F, column after column.
 pub type FourTangents = [[Lanes; 9]; 9];
 

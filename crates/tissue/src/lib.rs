@@ -101,7 +101,7 @@ pub use elements::Elements;
 pub use executor::{Executor, Serial};
 pub use flow::flow;
 pub use forces::Forces;
-pub use lanes::{LANES, Lanes};
+pub use lanes::Lanes;
 pub use material::{
     Behaviour, Coefficients, ContinuumConstants, Fit, KindConstants, Material, SpringConstants,
     SpringForm, SpringModuli, fit,

@@ -1,7 +1,7 @@
 //! What formulas take that are written once, for one number and for four that are worked on together.
 //!
-//! Every operation on four numbers is that of the single ones, rounded alike: a result is the same to the bit wherever it is computed. Sums of products
-//! are fused ([`Number::mul_add`]), which is rounded once on every machine.
+//! Every operation on four numbers is that of the single ones, rounded alike: a result is the same to the bit wherever it is computed. Where sums of products
+//! are fused ([`Number::mul_add`]), they are so on every machine.
 
 use crate::lanes::{Lanes, lanes};
 use nalgebra::{Matrix3, Vector3};

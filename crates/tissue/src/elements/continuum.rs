@@ -5,7 +5,7 @@
 //! viscosity is that of [`law::viscosity`](crate::law::viscosity).
 
 use super::continuum_matrix::{CORNERS, CornerTangent, DomainTangent, FourMatrices, set_tangent};
-use super::domains::{Domains, FourTetrahedra, NO_DIRECTIONS, Tetrahedra, constants_at};
+use super::domains::{Domains, FourTetrahedra, Tetrahedra};
 use super::key::Key;
 use super::quadratic::QuadraturePoints;
 use super::smoothed::SmoothingDomains;
@@ -13,13 +13,10 @@ use crate::elements::{
     Configuration, Constraints, ElementMatrix, Elements, EnergyKind, MatrixWindow, NodeWindow,
     Tangent, rest_stiffness, set_norms,
 };
-use crate::lanes::{
-    FourTangents, FourVectors, LANES, Lanes, lanes, matrix_of, tangent_of, vector_of,
-};
+use crate::lanes::{FourTangents, LANES, Lanes, lanes, tangent_of};
 use crate::law::decomposition::{FourSvds, SignedSvd};
-use crate::law::{Constants, FourFamilies, FourPrincipalTangents, Lame, Law, viscosity};
-use crate::number::{self, columns, product, three};
-use microsim_mesh::FAMILIES;
+use crate::law::{Constants, FourFamilies, Lame, Law, viscosity};
+use crate::number::columns;
 use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 use std::marker::PhantomData;
@@ -79,62 +76,25 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
     /// The constants in a domain.
     #[inline(always)]
     pub(super) fn constants(&self, domain: usize) -> L::Constants {
-        constants_at(&self.domains, domain, &self.constants)
-    }
-
-    /// The fibre directions of four domains, if the law has any.
-    #[inline(always)]
-    pub(super) fn directions_of_four(&self, first: usize) -> [FourVectors; FAMILIES] {
         match L::Constants::DIRECTIONS {
-            0 => NO_DIRECTIONS,
-            _ => self.domains.directions_of_four(first),
+            0 => self.constants,
+            _ => self.constants.along(self.domains.directions(domain)),
         }
     }
 
     /// The moduli of the viscosity of four elements, and the families of fibres where the law has any.
     #[inline(always)]
     pub(super) fn viscous_moduli(&self, first: usize) -> (Lame, Option<FourFamilies>) {
-        let families = match L::Constants::DIRECTIONS {
-            0 => None,
-            _ => self
-                .constants
-                .families_of_four(&self.domains.directions_of_four(first)),
-        };
+        let directions = self.domains.directions_for::<L::Constants>(first);
+        let families = self.constants.families_of_four(&directions);
         (self.constants.elasticity().lame, families)
     }
 
-    /// Adds the forces of the stresses of four elements, of those in `range`.
+    /// The constants in four elements from `first` on; beyond the end those in the last one.
     #[inline(always)]
-    pub(super) fn add_stresses(
-        &self,
-        first: usize,
-        range: &Range<usize>,
-        stress: &[FourVectors; 3],
-        forces: &mut NodeWindow<'_>,
-    ) {
-        let shapes = self.domains.tetrahedra_of_four(first);
-        let of_corners = shapes.map(|shapes| {
-            let scaled = columns(|k, i| -(stress[k][i] * shapes.volumes));
-            let [one, two, three] = three(|corner| product(&scaled, &shapes.gradients[corner]));
-            let sum = number::three(|i| -(one[i] + two[i] + three[i]));
-            [sum, one, two, three]
-        });
-        for (lane, element) in (first..first + LANES).enumerate() {
-            if !range.contains(&element) {
-                continue;
-            }
-            match &of_corners {
-                None => {
-                    let stress = matrix_of(stress, lane);
-                    self.domains.add_forces(element, &stress, forces);
-                }
-                Some(of_corners) => {
-                    for (node, force) in self.domains.nodes(element).iter().zip(of_corners) {
-                        forces.add(*node, vector_of(force, lane));
-                    }
-                }
-            }
-        }
+    pub(super) fn constants_of_four(&self, first: usize) -> [L::Constants; LANES] {
+        let last = self.domains.count() - 1;
+        lanes(|lane| self.constants(last.min(first + lane)))
     }
 
     /// Adds the tangents of all elements to a matrix, in ascending order.
@@ -172,7 +132,7 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
     }
 }
 
-/// What elements of a set do to its matrix, four at once from the first on, a multiple of four; the last ones filled up with any.
+/// What elements do to the matrix of their set, four at once from `first` on, a multiple of four; what is set for those beyond the end means nothing.
 pub(super) trait TangentsOfFour {
     /// Sets their tangents ∂P/∂F \[Pa\].
     fn set_tangents(&self, first: usize, tangents: &mut FourTangents);
@@ -181,7 +141,7 @@ pub(super) trait TangentsOfFour {
     fn add_matrices(&self, first: usize, shapes: &FourTetrahedra, matrices: &mut FourMatrices);
 }
 
-/// Those of a [`ContinuumSet`].
+/// The tangents of a [`ContinuumSet`].
 struct ContinuumTangents<'a, L: Law, D> {
     of: &'a ContinuumSet<L, D>,
     positions: &'a [Vector3<f64>],
@@ -190,34 +150,20 @@ struct ContinuumTangents<'a, L: Law, D> {
     viscous_time: f64,
 }
 
-impl<L: Law, D: Domains> ContinuumTangents<'_, L, D> {
-    /// The constants of four elements.
-    #[inline(always)]
-    fn constants(&self, first: usize) -> [L::Constants; LANES] {
-        let last = self.of.domains.count() - 1;
-        lanes(|lane| self.of.constants(last.min(first + lane)))
-    }
-
-    #[inline(always)]
-    fn set_elastic(&self, first: usize, f: &[FourVectors; 3], tangents: &mut FourTangents) {
-        match self.tangent {
-            Tangent::Exact => {
-                let directions = self.of.directions_of_four(first);
-                L::set_tangents_of_four(f, &directions, &self.of.constants, tangents);
-            }
-            Tangent::Positive => {
-                let constants = self.constants(first);
-                L::set_positive_tangents_of_four(&FourSvds::new(f), &constants, tangents);
-            }
-        }
-    }
-}
-
 impl<L: Law, D: Domains> TangentsOfFour for ContinuumTangents<'_, L, D> {
     #[inline(always)]
     fn set_tangents(&self, first: usize, tangents: &mut FourTangents) {
         let f = self.of.domains.deformations_of_four(first, self.positions);
-        self.set_elastic(first, &f, tangents);
+        match self.tangent {
+            Tangent::Exact => {
+                let directions = self.of.domains.directions_for::<L::Constants>(first);
+                L::set_tangents_of_four(&f, &directions, &self.of.constants, tangents);
+            }
+            Tangent::Positive => {
+                let constants = self.of.constants_of_four(first);
+                L::set_positive_tangents_of_each(&FourSvds::new(&f), &constants, tangents);
+            }
+        }
         if self.viscous_time > 0.0 {
             let (lame, families) = self.of.viscous_moduli(first);
             viscosity::add_tangent(&f, &lame, &families, self.viscous_time, tangents);
@@ -227,14 +173,16 @@ impl<L: Law, D: Domains> TangentsOfFour for ContinuumTangents<'_, L, D> {
     #[inline(always)]
     fn add_matrices(&self, first: usize, shapes: &FourTetrahedra, matrices: &mut FourMatrices) {
         let f = self.of.domains.deformations_of_four(first, self.positions);
-        if self.tangent == Tangent::Positive && L::Constants::DIRECTIONS == 0 {
-            let constants = self.constants(first);
-            let tangents = FourPrincipalTangents::positive::<L>(&FourSvds::new(&f), &constants);
-            matrices.add_in_axes(&tangents, shapes);
-        } else {
-            let mut tangents = [[Lanes::splat(0.0); 9]; 9];
-            self.set_elastic(first, &f, &mut tangents);
-            matrices.add_tangents(&tangents, shapes);
+        match self.tangent {
+            Tangent::Exact => {
+                let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+                let directions = self.of.domains.directions_for::<L::Constants>(first);
+                L::set_tangents_of_four(&f, &directions, &self.of.constants, &mut tangents);
+                matrices.add_tangents(&tangents, shapes);
+            }
+            Tangent::Positive => {
+                matrices.add_positive::<L>(&f, &self.of.constants_of_four(first), shapes);
+            }
         }
         if self.viscous_time > 0.0 {
             let (lame, families) = self.of.viscous_moduli(first);
@@ -261,7 +209,7 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
         let mut sum = 0.0;
         for first in (0..count).step_by(LANES) {
             let f = self.domains.deformations_of_four(first, at.positions);
-            let directions = self.directions_of_four(first);
+            let directions = self.domains.directions_for::<L::Constants>(first);
             let densities = L::energy_of_four(&f, &directions, &self.constants);
             for (element, density) in (first..count).zip(densities.0) {
                 sum += self.domains.volume(element) * density;
@@ -275,13 +223,14 @@ impl<L: Law, D: Domains> Elements for ContinuumSet<L, D> {
             for first in (range.start / LANES * LANES..range.end).step_by(LANES) {
                 let f = self.domains.deformations_of_four(first, at.positions);
                 let rate = self.domains.deformations_of_four(first, at.velocities);
-                let directions = self.directions_of_four(first);
+                let directions = self.domains.directions_for::<L::Constants>(first);
                 let elastic = L::stress_of_four(&f, &directions, &self.constants);
                 let (lame, families) = self.viscous_moduli(first);
                 let viscous =
                     viscosity::stress_of(&f, &rate, &lame, &families, self.relaxation_time);
                 let stress = columns(|k, i| elastic[k][i] + viscous[k][i]);
-                self.add_stresses(first, &range, &stress, forces);
+                self.domains
+                    .add_forces_of_four(first, &range, &stress, forces);
             }
         } else {
             self.domains

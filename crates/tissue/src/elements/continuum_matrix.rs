@@ -4,8 +4,9 @@
 
 use super::domains::FourTetrahedra;
 use crate::elements::ElementMatrix;
-use crate::lanes::{FourTangents, Lanes, matrix_of};
-use crate::law::{FourFamilies, FourPrincipalTangents, Lame, Matrix9};
+use crate::lanes::{FourTangents, LANES, Lanes, matrix_of};
+use crate::law::decomposition::FourSvds;
+use crate::law::{Constants, FourFamilies, FourPrincipalTangents, Lame, Law, Matrix9};
 use crate::number::{Columns, Columns9, Number, Three, columns, dot, product, three};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -130,8 +131,8 @@ const fn pair(i: usize, j: usize) -> usize {
 
 /// Matrices of four tetrahedra \[N/m\]: the blocks of row node i and column node j ≤ i, each by its columns.
 ///
-/// Its functions are not inlined: between memory and memory the compiler works on whole registers. Before [`complete`](Self::complete) the blocks
-/// with the first node are zero.
+/// Those of its functions that compute are not inlined: between memory and memory the compiler works on whole registers. Before
+/// [`complete`](Self::complete) the blocks with the first node are zero.
 #[derive(Clone, Copy)]
 pub(super) struct FourMatrices([Columns<Lanes>; PAIRS]);
 
@@ -140,6 +141,25 @@ impl FourMatrices {
     #[inline(always)]
     pub fn zero() -> Self {
         Self([[[Lanes::splat(0.0); 3]; 3]; PAIRS])
+    }
+
+    /// Adds those of the positive tangents of a law, with constants of each.
+    #[inline(always)]
+    pub fn add_positive<L: Law>(
+        &mut self,
+        f: &Columns<Lanes>,
+        constants: &[L::Constants; LANES],
+        shapes: &FourTetrahedra,
+    ) {
+        let svds = FourSvds::new(f);
+        if L::Constants::DIRECTIONS == 0 {
+            let tangents = FourPrincipalTangents::positive::<L>(&svds, constants);
+            self.add_in_axes(&tangents, shapes);
+        } else {
+            let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+            L::set_positive_tangents_of_each(&svds, constants, &mut tangents);
+            self.add_tangents(&tangents, shapes);
+        }
     }
 
     /// Adds those of principal tangents.
@@ -230,8 +250,8 @@ impl FourMatrices {
             }
             self.0[pair(i, 0)] = sum;
         }
-        let [one, two, three] = [1, 2, 3].map(|i| self.0[pair(i, 0)]);
-        self.0[0] = columns(|k, row| -(one[k][row] + two[k][row] + three[k][row]));
+        let [one, two, last] = [1, 2, 3].map(|i| self.0[pair(i, 0)]);
+        self.0[0] = columns(|k, row| -(one[k][row] + two[k][row] + last[k][row]));
     }
 
     /// The block of row node i and column node j of one of them.

@@ -39,6 +39,15 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
         four
     }
 
+    /// The same where a law has directions; zero where it has none.
+    #[inline(always)]
+    fn directions_for<C: Constants>(&self, first: usize) -> [FourVectors; FAMILIES] {
+        match C::DIRECTIONS {
+            0 => NO_DIRECTIONS,
+            _ => self.directions_of_four(first),
+        }
+    }
+
     /// The deformation gradients of four domains, as [`directions_of_four`](Self::directions_of_four).
     #[inline(always)]
     fn deformations_of_four(&self, first: usize, positions: &[Vector3<f64>]) -> [FourVectors; 3] {
@@ -78,8 +87,14 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
     /// F of positions \[m\], or Ḟ of velocities \[m/s\].
     fn deformation(&self, domain: usize, positions: &[Vector3<f64>]) -> Matrix3<f64>;
 
-    /// Adds the forces −V P b_i of a stress P \[Pa\] to the nodes.
-    fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>);
+    /// Adds the forces −V P b_i of the stresses P \[Pa\] of four domains from `first` on to the nodes, of those in `range` and in ascending order.
+    fn add_forces_of_four(
+        &self,
+        first: usize,
+        range: &Range<usize>,
+        stress: &[FourVectors; 3],
+        forces: &mut NodeWindow<'_>,
+    );
 
     /// Adds the forces of a law in the domains of `range`, in ascending order.
     #[inline]
@@ -90,25 +105,20 @@ pub trait Domains: Clone + Debug + Send + Sync + 'static {
         constants: &L::Constants,
         forces: &mut NodeWindow<'_>,
     ) {
-        for domain in range {
-            let f = self.deformation(domain, positions);
-            let stress = L::stress(&f, &constants_at(self, domain, constants));
-            self.add_forces(domain, &stress, forces);
+        for first in (range.start / LANES * LANES..range.end).step_by(LANES) {
+            let f = self.deformations_of_four(first, positions);
+            let directions = self.directions_for::<L::Constants>(first);
+            let stress = L::stress_of_four(&f, &directions, constants);
+            self.add_forces_of_four(first, &range, &stress, forces);
         }
     }
 }
 
-/// The constants of a law in a domain: with its fibre directions, if the law has any.
+/// The lanes of those of four domains that are in a range.
 #[inline(always)]
-pub(super) fn constants_at<D: Domains, C: Constants>(
-    domains: &D,
-    domain: usize,
-    constants: &C,
-) -> C {
-    match C::DIRECTIONS {
-        0 => *constants,
-        _ => constants.along(domains.directions(domain)),
-    }
+pub(super) fn lanes_in(first: usize, range: &Range<usize>) -> Range<usize> {
+    let from_first = |end: usize| end.saturating_sub(first).min(LANES);
+    from_first(range.start)..from_first(range.end)
 }
 
 /// Gradients of the last three corners \[1/m\] and volumes \[m³\] of four tetrahedra.
@@ -302,7 +312,7 @@ impl Tetrahedra {
 }
 
 /// Of elements without fibres.
-pub(super) const NO_DIRECTIONS: [FourVectors; FAMILIES] = [[Lanes([0.0; LANES]); 3]; FAMILIES];
+const NO_DIRECTIONS: [FourVectors; FAMILIES] = [[Lanes([0.0; LANES]); 3]; FAMILIES];
 
 impl FourShapes {
     const NONE: Self = Self {
@@ -327,11 +337,21 @@ fn edges_of_four(corners: &[FourVectors; 4]) -> [FourVectors; 3] {
     three(|k| three(|i| corners[k + 1][i] - corners[0][i]))
 }
 
-/// Replaces the corners by the forces on them, of which three are given.
+/// The forces on the corners, of which the last three are given.
 #[inline(always)]
-fn set_forces(corners: &mut [FourVectors; 4], [f1, f2, f3]: [FourVectors; 3]) {
-    let sum = |i: usize| -(f1[i] + f2[i] + f3[i]);
-    *corners = [[sum(0), sum(1), sum(2)], f1, f2, f3];
+fn balanced([f1, f2, f3]: [FourVectors; 3]) -> [FourVectors; 4] {
+    [three(|i| -(f1[i] + f2[i] + f3[i])), f1, f2, f3]
+}
+
+/// The forces −V P b_i on the corners.
+#[inline(always)]
+fn forces_of_stress(
+    stress: &[FourVectors; 3],
+    gradients: &[FourVectors; 3],
+    volumes: &Lanes,
+) -> [FourVectors; 4] {
+    let scaled = columns(|k, i| -(stress[k][i] * *volumes));
+    balanced(three(|corner| number::product(&scaled, &gradients[corner])))
 }
 
 /// Replaces the corners of four elements by the forces on them, by P = μ F + b' cof F; returns false for a law of another form.
@@ -364,7 +384,7 @@ fn forces_by_areas<L: Law>(
         force([k12, k22, k23], &doubled[1]),
         force([k31, k23, k33], &doubled[2]),
     ];
-    set_forces(corners, forces);
+    *corners = balanced(forces);
     true
 }
 
@@ -379,10 +399,7 @@ fn forces_by_stress<L: Law>(
 ) {
     let f = deformation_of_edges(&edges_of_four(corners), gradients);
     let stress = L::stress_of_four(&f, directions, constants);
-    let minus = -*volumes;
-    let scaled = columns(|k, i| stress[k][i] * minus);
-    let forces = three(|corner| number::product(&scaled, &gradients[corner]));
-    set_forces(corners, forces);
+    *corners = forces_of_stress(&stress, gradients, volumes);
 }
 
 /// m·v, written out so that it is inlined.
@@ -521,19 +538,20 @@ impl Domains for Tetrahedra {
     }
 
     #[inline(always)]
-    fn add_forces(&self, domain: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>) {
-        let [a, b, c, d] = self.nodes[domain];
-        let scaled = stress * -self.volume(domain);
-        let [g1, g2, g3] = self.gradients(domain);
-        let (f1, f2, f3) = (
-            product(&scaled, &g1),
-            product(&scaled, &g2),
-            product(&scaled, &g3),
-        );
-        forces.add(a, -(f1 + f2 + f3));
-        forces.add(b, f1);
-        forces.add(c, f2);
-        forces.add(d, f3);
+    fn add_forces_of_four(
+        &self,
+        first: usize,
+        range: &Range<usize>,
+        stress: &[FourVectors; 3],
+        forces: &mut NodeWindow<'_>,
+    ) {
+        let block = first / LANES;
+        let of_corners = forces_of_stress(stress, &self.gradients[block], &self.volumes[block]);
+        for lane in lanes_in(first, range) {
+            for (node, force) in self.nodes[first + lane].iter().zip(&of_corners) {
+                forces.add(*node, vector_of(force, lane));
+            }
+        }
     }
 
     fn add_elastic_forces<L: Law>(

@@ -16,7 +16,7 @@ use crate::elements::{
 };
 use crate::lanes::{FourTangents, LANES, Lanes, lanes, matrix_of, put_tangent};
 use crate::law::decomposition::{FourSvds, SignedSvd};
-use crate::law::{Constants, FourPrincipalTangents, Law, viscosity};
+use crate::law::{Law, viscosity};
 use crate::number::{
     Columns, Columns9, Number, columns, columns_of, product, three, transposed_product,
 };
@@ -64,11 +64,8 @@ impl<L: Law, D: Domains> PlasticSet<L, D> {
         states: &FourStates,
     ) -> (Columns<Lanes>, [L::Constants; LANES]) {
         let elastic = three(|k| product(f, &states.inverse[k]));
-        let last = self.count() - 1;
-        let constants = lanes(|lane| {
-            let given = self.elastic.constants(last.min(first + lane));
-            constants_of(given, states.stiffening.0[lane])
-        });
+        let given = self.elastic.constants_of_four(first);
+        let constants = lanes(|lane| constants_of(given[lane], states.stiffening.0[lane]));
         (elastic, constants)
     }
 
@@ -119,26 +116,15 @@ struct PlasticTangents<'a, L: Law, D> {
     viscous_time: f64,
 }
 
-impl<L: Law, D: Domains> PlasticTangents<'_, L, D> {
-    /// Those of the law at F_e.
-    #[inline(always)]
-    fn set_elastic(
-        &self,
-        elastic: &Columns<Lanes>,
-        constants: &[L::Constants; LANES],
-        tangents: &mut FourTangents,
-    ) {
-        match self.tangent {
-            Tangent::Exact => {
-                for (lane, constants) in constants.iter().enumerate() {
-                    let tangent = L::tangent(&matrix_of(elastic, lane), constants);
-                    put_tangent(tangents, lane, &tangent);
-                }
-            }
-            Tangent::Positive => {
-                L::set_positive_tangents_of_four(&FourSvds::new(elastic), constants, tangents);
-            }
-        }
+/// Sets the exact tangents of a law.
+#[inline(always)]
+fn set_exact<L: Law>(
+    f: &Columns<Lanes>,
+    constants: &[L::Constants; LANES],
+    tangents: &mut FourTangents,
+) {
+    for (lane, constants) in constants.iter().enumerate() {
+        put_tangent(tangents, lane, &L::tangent(&matrix_of(f, lane), constants));
     }
 }
 
@@ -149,7 +135,12 @@ impl<L: Law, D: Domains> TangentsOfFour for PlasticTangents<'_, L, D> {
         let states = self.of.states_of_four(self.internal, first);
         let f = set.domains.deformations_of_four(first, self.positions);
         let (elastic, constants) = self.of.elastic_of_four(first, &f, &states);
-        self.set_elastic(&elastic, &constants, tangents);
+        match self.tangent {
+            Tangent::Exact => set_exact::<L>(&elastic, &constants, tangents),
+            Tangent::Positive => {
+                L::set_positive_tangents_of_each(&FourSvds::new(&elastic), &constants, tangents);
+            }
+        }
         pull_four_back(tangents, &states);
         if self.viscous_time > 0.0 {
             let (lame, families) = set.viscous_moduli(first);
@@ -168,14 +159,13 @@ impl<L: Law, D: Domains> TangentsOfFour for PlasticTangents<'_, L, D> {
             gradients: three(|i| transposed_product(&states.inverse, &shapes.gradients[i])),
             volumes: shapes.volumes * states.stiffening,
         };
-        if self.tangent == Tangent::Positive && L::Constants::DIRECTIONS == 0 {
-            let svds = FourSvds::new(&elastic);
-            let tangents = FourPrincipalTangents::positive::<L>(&svds, &constants);
-            matrices.add_in_axes(&tangents, &pulled);
-        } else {
-            let mut tangents = [[Lanes::splat(0.0); 9]; 9];
-            self.set_elastic(&elastic, &constants, &mut tangents);
-            matrices.add_tangents(&tangents, &pulled);
+        match self.tangent {
+            Tangent::Exact => {
+                let mut tangents = [[Lanes::splat(0.0); 9]; 9];
+                set_exact::<L>(&elastic, &constants, &mut tangents);
+                matrices.add_tangents(&tangents, &pulled);
+            }
+            Tangent::Positive => matrices.add_positive::<L>(&elastic, &constants, &pulled),
         }
         if self.viscous_time > 0.0 {
             let (lame, families) = set.viscous_moduli(first);
@@ -238,7 +228,7 @@ impl<L: Law, D: Domains> Elements for PlasticSet<L, D> {
                 let viscous = viscosity::stress_of(&f, &rate, &lame, &families, time);
                 stress = columns(|k, i| stress[k][i] + viscous[k][i]);
             }
-            self.elastic.add_stresses(first, &range, &stress, forces);
+            domains.add_forces_of_four(first, &range, &stress, forces);
         }
     }
 

@@ -4,11 +4,13 @@
 //! strain is linear over an element with straight edges, and four points of degree 2 integrate its elastic energy at rest exactly; of the 30 − 6 motions
 //! that are not rigid each has energy. With curved edges quadrature has an error of third order.
 
-use super::domains::{Domains, product};
+use super::domains::{Domains, lanes_in, product};
 use super::key::Key;
 use crate::elements::NodeWindow;
+use crate::lanes::{FourVectors, matrix_of};
 use microsim_mesh::{FAMILIES, PARTS, TetMesh};
 use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
 
 /// Nodes of an element.
 const NODES: usize = 10;
@@ -206,17 +208,25 @@ impl Domains for QuadraturePoints {
     }
 
     #[inline(always)]
-    fn add_forces(&self, point: usize, stress: &Matrix3<f64>, forces: &mut NodeWindow<'_>) {
-        let nodes = self.nodes_of(point);
-        let gradients = &self.gradients[point];
-        let scaled = stress * -self.volumes[point];
-        let mut sum = Vector3::zeros();
-        for (node, b) in nodes[1..].iter().zip(&gradients[1..]) {
-            let force = product(&scaled, b);
-            sum += force;
-            forces.add(*node, force);
+    fn add_forces_of_four(
+        &self,
+        first: usize,
+        range: &Range<usize>,
+        stress: &[FourVectors; 3],
+        forces: &mut NodeWindow<'_>,
+    ) {
+        for lane in lanes_in(first, range) {
+            let nodes = self.nodes_of(first + lane);
+            let gradients = &self.gradients[first + lane];
+            let scaled = matrix_of(stress, lane) * -self.volumes[first + lane];
+            let mut sum = Vector3::zeros();
+            for (node, b) in nodes[1..].iter().zip(&gradients[1..]) {
+                let force = product(&scaled, b);
+                sum += force;
+                forces.add(*node, force);
+            }
+            forces.add(nodes[0], -sum);
         }
-        forces.add(nodes[0], -sum);
     }
 }
 

@@ -2,8 +2,7 @@
 
 use super::decomposition::{FourSvds, SignedSvd};
 use super::{Constants, Family, IsotropicLaw, Lame, Law, Matrix9, PrincipalTangent};
-use crate::lanes::{LANES, Lanes, tangent_of};
-use crate::number::columns;
+use crate::lanes::{LANES, Lanes, four_columns, matrix_of, tangent_of};
 use crate::testing::numbers;
 use microsim_mesh::FAMILIES;
 use nalgebra::{Matrix3, Vector3};
@@ -203,15 +202,21 @@ fn positive_tangent<L: Law>(f: &Matrix3<f64>, c: &L::Constants) {
     assert!(above.symmetric_eigenvalues().min() > least, "at {f}");
 }
 
-/// Those of four elements at once have the same bits as one after the other.
+/// Those of four elements at once have the same bits as one after the other, whose constants differ.
 fn four_at_once<L: Law>(states: &[Matrix3<f64>], c: &L::Constants) {
+    let constants = [1.0, 0.5, 0.75, 0.0].map(|factor| c.with_volumetric(factor));
     for f in states.as_chunks::<LANES>().0 {
-        let svds = FourSvds::new(&columns(|k, i| Lanes(f.map(|f| f[(i, k)]))));
+        let columns = four_columns(f);
+        let svds = FourSvds::new(&columns);
         let mut tangents = [[Lanes::splat(0.0); 9]; 9];
-        L::set_positive_tangents_of_four(&svds, &[*c; LANES], &mut tangents);
-        for lane in 0..LANES {
+        L::set_positive_tangents_of_each(&svds, &constants, &mut tangents);
+        let energies = L::energy_of_each(&columns, &constants);
+        let stresses = L::stress_of_each(&columns, &constants);
+        for (lane, c) in constants.iter().enumerate() {
             let one = L::positive_tangent(&svds.of(lane), c);
             assert_eq!(tangent_of(&tangents, lane), one);
+            assert_eq!(energies.0[lane], L::energy(&f[lane], c));
+            assert_eq!(matrix_of(&stresses, lane), L::stress(&f[lane], c));
         }
     }
 }

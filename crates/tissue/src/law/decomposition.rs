@@ -7,6 +7,7 @@ mod four;
 
 pub use four::FourSvds;
 
+use crate::lanes::{LANES, four_columns};
 use crate::number::{Columns, Number, columns_of, cross, dot};
 use nalgebra::{Matrix3, Vector3};
 
@@ -94,6 +95,23 @@ impl SignedSvd {
     pub fn rotation(&self) -> Matrix3<f64> {
         self.u * self.v.transpose()
     }
+}
+
+/// The largest singular value of each of these matrices, in their order.
+pub fn largest_stretches(f: impl IntoIterator<Item = Matrix3<f64>>) -> Vec<f64> {
+    let mut rest = f.into_iter();
+    let mut stretches = Vec::with_capacity(rest.size_hint().0);
+    while let Some(first) = rest.next() {
+        let mut four = [first; LANES];
+        let mut count = 1;
+        for (place, f) in four[1..].iter_mut().zip(&mut rest) {
+            *place = f;
+            count += 1;
+        }
+        let [largest, ..] = FourSvds::new(&four_columns(&four)).stretches;
+        stretches.extend(&largest.0[..count]);
+    }
+    stretches
 }
 
 /// Cosine and sine of the Jacobi rotation that makes [[a, g/2], [g/2, a + difference]] diagonal, by the smaller angle.
@@ -211,7 +229,6 @@ pub fn symmetric_eigen(m: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::{LANES, Lanes};
     use crate::testing::numbers;
 
     /// A few operations of rounding on numbers of the size of the matrix.
@@ -299,7 +316,7 @@ mod tests {
         }
         let mut direct = 0;
         for f in all.as_chunks::<LANES>().0 {
-            let columns = [0, 1, 2].map(|k| [0, 1, 2].map(|i| Lanes(f.map(|f| f[(i, k)]))));
+            let columns = four_columns(f);
             let (_, is_exact) = four::direct(&columns);
             direct += is_exact.into_iter().filter(|is_exact| *is_exact).count();
             let svds = FourSvds::new(&columns);

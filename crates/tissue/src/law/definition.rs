@@ -235,13 +235,9 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
         constants: &Self::Constants,
         tangents: &mut FourTangents,
     ) {
-        for lane in 0..LANES {
-            let constants = constants.along(directions.map(|a| vector_of(&a, lane)));
-            put_tangent(
-                tangents,
-                lane,
-                &Self::tangent(&matrix_of(f, lane), &constants),
-            );
+        for (lane, constants) in of_four(directions, constants).iter().enumerate() {
+            let tangent = Self::tangent(&matrix_of(f, lane), constants);
+            put_tangent(tangents, lane, &tangent);
         }
     }
 
@@ -250,12 +246,14 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
     /// [positive](PrincipalTangent::positive), as above.
     fn positive_principal_tangent(f: &SignedSvd, constants: &Self::Constants) -> PrincipalTangent;
 
-    /// Adds to `tangent` what fibres have \[Pa\], without negative eigenvalues; there are none by default.
+    /// Adds to `tangent` what fibres have \[Pa\], without negative eigenvalues; there are none by default, nor in a law without
+    /// [directions](Constants::DIRECTIONS), of which this is not asked.
     #[inline(always)]
     fn add_positive_fibres(_f: &SignedSvd, _constants: &Self::Constants, _tangent: &mut Matrix9) {}
 
     /// Tangent without negative eigenvalues \[Pa\] at F = U diag(σ) Vᵀ, nowhere below the exact one (their difference has no negative
-    /// eigenvalue either): what implicit methods take far from equilibrium. The sum of the parts above.
+    /// eigenvalue either): what implicit methods take far from equilibrium. The sum of the parts above, which are what a law defines: matrices are
+    /// formed from them directly, too.
     fn positive_tangent(f: &SignedSvd, constants: &Self::Constants) -> Matrix9 {
         let mut tangent = Self::positive_principal_tangent(f, constants).rotated(f);
         Self::add_positive_fibres(f, constants, &mut tangent);
@@ -264,7 +262,7 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
 
     /// Sets `tangents` to [`positive_tangent`](Self::positive_tangent) of four elements at once, each with constants of its own: the same bits.
     #[inline(always)]
-    fn set_positive_tangents_of_four(
+    fn set_positive_tangents_of_each(
         f: &FourSvds,
         constants: &[Self::Constants; LANES],
         tangents: &mut FourTangents,

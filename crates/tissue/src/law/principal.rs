@@ -132,10 +132,10 @@ impl FourPrincipalTangents {
         transposed_product(&self.v, gradient)
     }
 
-    /// Σ_jl T_ijkl b_j c_l, column after column, for the gradients b of the row and c of the column [in these axes](Self::in_axes): there
+    /// Σ_jl T_ijkl b_j d_l, column after column, for the gradients b of the row and d of the column [in these axes](Self::in_axes): there
     ///
     /// ```text
-    /// k_aa = S_aa b_a c_a + Σ_(b ≠ a) D_ab b_b c_b        k_ac = S_ac b_a c_c + C_ac b_c c_a
+    /// k_pp = S_pp b_p d_p + Σ_(q ≠ p) D_pq b_q d_q        k_pq = S_pq b_p d_q + C_pq b_q d_p
     /// ```
     ///
     /// with the entries S of stretches, D direct and C crossed of shears; then U k Uᵀ.
@@ -146,22 +146,22 @@ impl FourPrincipalTangents {
             direct,
             crossed,
         } = &self.entries;
-        let along = three(|a| row[a] * column[a]);
+        let along = three(|p| row[p] * column[p]);
         // The pair of two axes has the place of the third one.
-        let sheared = three(|a| {
-            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-            direct[b].mul_add(along[c], direct[c] * along[b])
+        let sheared = three(|p| {
+            let (q, r) = ((p + 1) % 3, (p + 2) % 3);
+            direct[q].mul_add(along[r], direct[r] * along[q])
         });
-        let k = columns(|c, a| match a == c {
-            true => stretch[a][a].mul_add(along[a], sheared[a]),
+        let k = columns(|q, p| match p == q {
+            true => stretch[p][p].mul_add(along[p], sheared[p]),
             false => {
-                let of_shears = crossed[3 - a - c] * row[c] * column[a];
-                (stretch[c][a] * row[a]).mul_add(column[c], of_shears)
+                let of_shears = crossed[3 - p - q] * row[q] * column[p];
+                (stretch[q][p] * row[p]).mul_add(column[q], of_shears)
             }
         });
-        let half = three(|c| product(&self.u, &k[c]));
-        // (U k) Uᵀ: column l is Σ_c (U k)_c U_lc.
-        let rows = columns(|l, c| self.u[c][l]);
+        let half = three(|q| product(&self.u, &k[q]));
+        // (U k) Uᵀ: column l is Σ_q (U k)_q U_lq.
+        let rows = columns(|l, q| self.u[q][l]);
         three(|l| product(&half, &rows[l]))
     }
 }

@@ -53,7 +53,10 @@ fn check<L: Law>(tetrahedra: &Tetrahedra, positions: &[Vector3<f64>]) {
     for element in 0..count {
         let f = tetrahedra.deformation(element, positions);
         let stress = L::stress(&f, &constants.along(tetrahedra.directions(element)));
-        tetrahedra.add_forces(element, &stress, &mut window);
+        for (corner, node) in tetrahedra.nodes(element).iter().enumerate() {
+            let gradient = tetrahedra.gradient(element, corner);
+            window.add(*node, stress * gradient * -tetrahedra.volume(element));
+        }
         let gradients = tetrahedra.gradients(element).map(|g| g.norm());
         let largest = gradients.into_iter().fold(0.0, f64::max);
         size = size.max(tetrahedra.volume(element) * stress.norm() * largest);
