@@ -1,7 +1,7 @@
 //! `cargo xtask soak window [-- MINUTES SEED | passes [MODULE [LEVEL]] | memory]`: half an hour of play in one window at a display without a screen, from outside: keys, mouse, files and the log are all that is known of it.
 //!
 //! First every level, until it is passed: somebody does what its script that passes does, one hand after the other; writes `tests/results/soak_window_passes.md`. Then, in another window, every level that is played later is shown once, and level after level is played by a clumsy hand; paused, begun again, aborted; debrief, replay, results, settings; another size, minimised, another scale, the driver lost. Writes
-//! `tests/results/soak_window.md`. Last, in a third window, every level is begun and aborted three times; writes `tests/results/soak_window_memory.md`.
+//! `tests/results/soak_window.md`. Last, in a third window, one level of each module is begun and aborted ten times; writes `tests/results/soak_window_memory.md`.
 //!
 //! Ends with status 1 if a level is not passed, if the window panics, freezes, ends, loses a session or records one that does not replay, if memory grows, or if more ticks are late than may be.
 
