@@ -65,6 +65,7 @@ pub(crate) use constants::FourFamilies;
 pub use constants::{Constants, Parameters};
 pub use corotational::Corotational;
 pub use definition::Law;
+pub(crate) use definition::positive_principal_tangents;
 pub use elasticity::{Elasticity, Family, Lame, Matrix9};
 pub use holzapfel::{
     HolzapfelConstants, HolzapfelGasserOgden, HolzapfelGasserOgdenIsochoric, HolzapfelParameters,

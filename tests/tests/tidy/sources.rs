@@ -141,11 +141,15 @@ fn transcendental(code: &str) -> Option<&'static str> {
     TRANSCENDENTAL.into_iter().find(|name| calls(code, name))
 }
 
-/// Whether fused products may stand in a source: those of `sparse` round once, in a fixed order, by an instruction that the
-/// build's target has, so their bits are those of every machine. Elsewhere they would be what a plain product and sum are
-/// not, and which of both stands where is for one crate to know.
+/// The crates in which fused products may stand: those of `sparse` and of the elements and laws of `tissue` round once, in a fixed order, by an
+/// instruction that the build's target has, so their bits are those of every machine. Elsewhere they would be what a plain product and sum are
+/// not, and which of both stands where is for these crates to know.
+const FUSED: [&str; 2] = ["crates/sparse/src", "crates/tissue/src"];
+
 fn may_fuse(path: &Path) -> bool {
-    path.starts_with(repository().join("crates/sparse/src"))
+    FUSED
+        .iter()
+        .any(|folder| path.starts_with(repository().join(folder)))
 }
 
 pub fn of_the_systems_library(sources: &[PathBuf]) -> Vec<String> {
@@ -160,19 +164,21 @@ fn no_function_of_the_systems_library_decides_a_bit() {
 }
 
 #[test]
-fn products_are_fused_in_one_crate_alone() {
+fn products_are_fused_in_two_crates_alone() {
     assert_none(&complaints(&simulation(), |path, code| {
         let fused = !may_fuse(path) && calls(code, "mul_add");
-        fused.then(|| "`mul_add`: only crates/sparse fuses products".into())
+        fused.then(|| "`mul_add`: only crates/sparse and crates/tissue fuse products".into())
     }));
-    // What the exception is for is there; and its instruction is in the build.
-    let sparse = files_below(&repository().join("crates/sparse/src"), ".rs");
-    assert!(sparse.iter().any(|path| {
-        let source = text(path);
-        lines(&source)
-            .iter()
-            .any(|line| calls(&line.code, "mul_add"))
-    }));
+    // What the exceptions are for is there; and the instruction is in the build.
+    for folder in FUSED {
+        let files = files_below(&repository().join(folder), ".rs");
+        assert!(files.iter().any(|path| {
+            let source = text(path);
+            lines(&source)
+                .iter()
+                .any(|line| calls(&line.code, "mul_add"))
+        }));
+    }
     assert!(text(&repository().join(".cargo/config.toml")).contains("target-cpu=x86-64-v3"));
 }
 

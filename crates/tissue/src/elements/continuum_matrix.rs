@@ -6,7 +6,9 @@ use super::domains::FourTetrahedra;
 use crate::elements::ElementMatrix;
 use crate::lanes::{FourTangents, LANES, Lanes, matrix_of};
 use crate::law::decomposition::FourSvds;
-use crate::law::{Constants, FourFamilies, FourPrincipalTangents, Lame, Law, Matrix9};
+use crate::law::{
+    Constants, FourFamilies, FourPrincipalTangents, Lame, Law, Matrix9, positive_principal_tangents,
+};
 use crate::number::{Columns, Columns9, Number, Three, columns, dot, product, three};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -153,7 +155,7 @@ impl FourMatrices {
     ) {
         let svds = FourSvds::new(f);
         if L::Constants::DIRECTIONS == 0 {
-            let tangents = FourPrincipalTangents::positive::<L>(&svds, constants);
+            let tangents = positive_principal_tangents::<L>(&svds, constants);
             self.add_in_axes(&tangents, shapes);
         } else {
             let mut tangents = [[Lanes::splat(0.0); 9]; 9];

@@ -267,7 +267,7 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
         constants: &[Self::Constants; LANES],
         tangents: &mut FourTangents,
     ) {
-        FourPrincipalTangents::positive::<Self>(f, constants).set_tangents(tangents);
+        positive_principal_tangents::<Self>(f, constants).set_tangents(tangents);
         if Self::Constants::DIRECTIONS == 0 {
             return;
         }
@@ -277,6 +277,16 @@ pub trait Law: Copy + Default + Debug + Send + Sync + 'static {
             put_tangent(tangents, lane, &one);
         }
     }
+}
+
+/// [`Law::positive_principal_tangent`] of four elements, each with constants of its own.
+#[inline(always)]
+pub(crate) fn positive_principal_tangents<L: Law>(
+    f: &FourSvds,
+    constants: &[L::Constants; LANES],
+) -> FourPrincipalTangents {
+    let of = lanes(|lane| L::positive_principal_tangent(&f.of(lane), &constants[lane]));
+    FourPrincipalTangents::new(&of, f)
 }
 
 /// The constants of four elements with these fibre directions.

@@ -4,7 +4,6 @@
 //! stretches and, for each pair of axes, a 2×2 block [[a, b], [b, a]] of the shears (Sifakis & Barbič 2012; Smith, de Goes, Kim
 //! 2019). Its eigenvalues are cut off at zero block by block, which gives the nearest tangent without negative ones.
 
-use super::Law;
 use super::decomposition::{FourSvds, SignedSvd, symmetric_eigen};
 use super::elasticity::Matrix9;
 use crate::lanes::{FourTangents, FourVectors, LANES, Lanes, lanes};
@@ -88,10 +87,9 @@ pub struct FourPrincipalTangents {
 }
 
 impl FourPrincipalTangents {
-    /// The [positive](Law::positive_principal_tangent) ones of a law, each with constants of its own.
+    /// Of four elements at F = U diag(σ) Vᵀ.
     #[inline(always)]
-    pub fn positive<L: Law>(f: &FourSvds, constants: &[L::Constants; LANES]) -> Self {
-        let of = lanes(|lane| L::positive_principal_tangent(&f.of(lane), &constants[lane]));
+    pub fn new(of: &[PrincipalTangent; LANES], f: &FourSvds) -> Self {
         let stretch = |i: usize, k: usize| Lanes(lanes(|lane| of[lane].stretch[(i, k)]));
         Self {
             entries: Entries {
