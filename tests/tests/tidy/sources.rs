@@ -238,7 +238,7 @@ fn the_checks_can_fail() {
     assert!(!calls("fn mul_add(self, a: Self) -> Self;", "mul_add"));
     let root = repository();
     assert!(may_fuse(&root.join("crates/sparse/src/kernels.rs")));
-    assert!(!may_fuse(&root.join("crates/tissue/src/forces.rs")));
+    assert!(!may_fuse(&root.join("crates/scene/src/tick.rs")));
     assert!(!may_fuse(&root.join("crates/sparse-more/src/lib.rs")));
     assert!(has_word("use std::time::{Duration, Instant};", "Instant"));
     assert!(!has_word("let instant = Instantaneous;", "Instant"));
