@@ -402,10 +402,22 @@ fn forces_by_stress<L: Law>(
     *corners = forces_of_stress(&stress, gradients, volumes);
 }
 
-/// m·v, written out so that it is inlined.
+/// Adds the forces S b_i of S = −V P to the nodes of a domain with these gradients, that on the first node as minus the sum of the others.
 #[inline(always)]
-pub(super) fn product(m: &Matrix3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
-    number::product(&columns_of(m), &[v[0], v[1], v[2]]).into()
+pub(super) fn add_balanced(
+    scaled: &Matrix3<f64>,
+    nodes: &[u32],
+    gradients: &[Vector3<f64>],
+    forces: &mut NodeWindow<'_>,
+) {
+    let columns = columns_of(scaled);
+    let mut sum = Vector3::zeros();
+    for (node, b) in nodes[1..].iter().zip(&gradients[1..]) {
+        let force = Vector3::from(number::product(&columns, &[b[0], b[1], b[2]]));
+        sum += force;
+        forces.add(*node, force);
+    }
+    forces.add(nodes[0], -sum);
 }
 
 /// Gradients of the shape functions of the last three corners \[1/m\], and the volume \[m³\].

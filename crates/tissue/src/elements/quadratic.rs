@@ -4,7 +4,7 @@
 //! strain is linear over an element with straight edges, and four points of degree 2 integrate its elastic energy at rest exactly; of the 30 − 6 motions
 //! that are not rigid each has energy. With curved edges quadrature has an error of third order.
 
-use super::domains::{Domains, lanes_in, product};
+use super::domains::{Domains, add_balanced, lanes_in};
 use super::key::Key;
 use crate::elements::NodeWindow;
 use crate::lanes::{FourVectors, matrix_of};
@@ -219,13 +219,7 @@ impl Domains for QuadraturePoints {
             let nodes = self.nodes_of(first + lane);
             let gradients = &self.gradients[first + lane];
             let scaled = matrix_of(stress, lane) * -self.volumes[first + lane];
-            let mut sum = Vector3::zeros();
-            for (node, b) in nodes[1..].iter().zip(&gradients[1..]) {
-                let force = product(&scaled, b);
-                sum += force;
-                forces.add(*node, force);
-            }
-            forces.add(nodes[0], -sum);
+            add_balanced(&scaled, nodes, gradients, forces);
         }
     }
 }

@@ -11,9 +11,9 @@ use crate::work;
 use microsim_contact_solver::Tolerances;
 use nalgebra::Vector3;
 
-/// Work after which the augmented Lagrangian method begins no further solution for the undoing of overlaps \[s\]: what is left of them is for later steps. It is not
-/// in the work of a step. Without a bound trembling hands that had squeezed cut tissue took up to a second for it in every tick. A judgement: no script that ships
-/// comes to it.
+/// In steps whose work is bounded, the work after which the augmented Lagrangian method begins no further solution for the undoing of overlaps \[s\]: what is
+/// left of them is for later steps. It is not in the work of a step. Without a bound trembling hands that had squeezed cut tissue took up to a second for it in
+/// every tick. A judgement: no script that ships comes to it.
 const UNDONE: f64 = 4e-3;
 
 impl NewtonSolver {
@@ -170,8 +170,12 @@ impl NewtonSolver {
         // Any positive matrix of the equation will do, as what is undone has neither velocity nor force: that of the last iteration, if it
         // holds no contact, as those are others now.
         self.retains_matrix |= self.has_bare_factor && self.takes_interior_point();
+        let most_operations = match self.allowed_work.is_finite() {
+            true => UNDONE / work::OPERATION,
+            false => f64::INFINITY,
+        };
         self.factorise(&problem, Tangent::Positive)
-            .and_then(|()| self.solve_contacts(fixed, tolerances, UNDONE / work::OPERATION))
+            .and_then(|()| self.solve_contacts(fixed, tolerances, most_operations))
             .map_err(|failure| self.why_not_positive(failure))?;
         for (x, d) in self.trial.positions.iter_mut().zip(&self.direction) {
             *x += d;
