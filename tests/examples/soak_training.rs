@@ -1,9 +1,12 @@
 //! `cargo xtask soak training [-- --minutes N --seed S]`: N minutes, 60 if not given, of scripted training in one process: in each round every module once, in random order,
 //! with a random script of a random level. Each run is recorded, its forces are looked through, and every tenth is replayed in the same process.
 //!
-//! Ends with status 1 if a run fails, is not that of its script's name or not computed again to the bit, or if memory grows.
+//! Writes `tests/results/training.md`. Ends with status 1 if a run fails, is not that of its script's name or not computed again to the bit, or if memory grows.
 
+use microsim_tests::repository;
 use microsim_tests::training::{Memory, Order, Played, Training};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::process::ExitCode;
 
 /// Minutes of simulated time if none are given.
@@ -28,7 +31,7 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     match soak(60.0 * minutes, seed) {
-        Ok(training) => conclude(&training),
+        Ok(training) => conclude(&training, seed),
         Err(error) => {
             eprintln!("{error}");
             ExitCode::FAILURE
@@ -70,18 +73,78 @@ fn megabytes(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }
 
-fn conclude(training: &Training) -> ExitCode {
-    let played = &training.played;
-    let sum = |of: fn(&Played) -> f64| played.iter().map(of).sum::<f64>();
-    println!(
-        "{} runs, {} replayed, {:.1} min simulated in {:.1} min; {} ticks held, {} without meaning",
-        played.len(),
-        played.iter().filter(|of| of.replayed).count(),
-        sum(|of| of.simulated) / 60.0,
-        sum(|of| of.wall) / 60.0,
-        sum(|of| of.held as f64),
-        sum(|of| of.invalid as f64),
+fn conclude(training: &Training, seed: u64) -> ExitCode {
+    let page = page(training, seed);
+    print!("{page}");
+    let path = repository().join("tests/results/training.md");
+    if let Err(error) = std::fs::write(&path, page) {
+        eprintln!("{}: {error}", path.display());
+        return ExitCode::FAILURE;
+    }
+    match training.faults().is_empty() && training.memory().is_flat() {
+        true => ExitCode::SUCCESS,
+        false => ExitCode::FAILURE,
+    }
+}
+
+/// Sums over runs.
+#[derive(Default)]
+struct Sums {
+    runs: u32,
+    replayed: u32,
+    simulated: f64,
+    wall: f64,
+    tissue: u64,
+    held: u64,
+    invalid: u64,
+}
+
+impl Sums {
+    fn add(&mut self, played: &Played) {
+        self.runs += 1;
+        self.replayed += u32::from(played.replayed);
+        self.simulated += played.simulated;
+        self.wall += played.wall;
+        self.tissue += played.tissue;
+        self.held += played.held;
+        self.invalid += played.invalid;
+    }
+
+    fn row(&self, name: &str) -> String {
+        let Self {
+            runs,
+            replayed,
+            simulated,
+            wall,
+            tissue,
+            held,
+            invalid,
+        } = self;
+        format!(
+            "| {name} | {runs} | {replayed} | {:.1} | {:.1} | {tissue} | {held} | {invalid} |\n",
+            simulated / 60.0,
+            wall / 60.0
+        )
+    }
+}
+
+fn page(training: &Training, seed: u64) -> String {
+    let (mut all, mut modules) = (Sums::default(), BTreeMap::<&str, Sums>::new());
+    for played in &training.played {
+        all.add(played);
+        let module = modules.entry(&played.exercise.module).or_default();
+        module.add(played);
+    }
+    let mut text = format!(
+        "# An hour of scripted training\n\n`cargo xtask soak training`: scripts of all modules in one process, in each round every module once, in random order, with a random script of a random level (seed {seed}). Each run is recorded, and must be what the \
+         name of its script says: passed, or failed for that reason. Each script that was played before must have the same physics digest as then, and every tenth run is replayed in the same process, to the bit. Times are in minutes; those of computation include replays, beside other work. \
+         A tick is *held* where nothing else contained a divergence, and *without meaning* where no metric takes its forces.\n\n\
+         | module | runs | replayed | simulated | computed in | ticks with tissue | held | without meaning |\n|---|---|---|---|---|---|---|---|\n"
     );
+    for (module, sums) in &modules {
+        text.push_str(&sums.row(module));
+    }
+    text.push_str(&all.row("all"));
     let memory = training.memory();
     let Memory {
         start,
@@ -93,18 +156,25 @@ fn conclude(training: &Training) -> ExitCode {
     } = memory;
     let [start, quarter, half, end, largest_run] =
         [start, quarter, half, end, largest_run].map(megabytes);
-    println!(
-        "resident memory at the start {start:.1} MB, after a quarter {quarter:.1}, half {half:.1}, at the end {end:.1}; a run takes {largest_run:.1} at most"
+    let _ = writeln!(
+        text,
+        "\nResident memory: {start:.1} MB at the start, {quarter:.1} after a quarter of the time, {half:.1} after half of it, {end:.1} at the end; a run takes {largest_run:.1} at most. {}",
+        match memory.is_flat() {
+            true =>
+                "It is flat: from the time when all modules had been played and a quarter was over, no more was added than a run takes at most.",
+            false => "**It grows.**",
+        }
     );
-    let faults = training.faults();
-    for fault in &faults {
-        println!("FAULT: {fault}");
+    text.push_str("\nFaults:");
+    match training.faults().as_slice() {
+        [] => text.push_str(" none.\n"),
+        faults => {
+            text.push('\n');
+            faults
+                .iter()
+                .for_each(|fault| text.push_str(&format!("\n- {fault}")));
+            text.push('\n');
+        }
     }
-    if !memory.is_flat() {
-        println!("FAULT: memory grows");
-    }
-    match faults.is_empty() && memory.is_flat() {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::FAILURE,
-    }
+    text
 }
