@@ -151,17 +151,30 @@ fn has_iterations(level: &str) -> bool {
     level.contains("\niterations = ")
 }
 
-/// How a level is computed otherwise: what it is called, and the change. Levels without tissue, or whose method has no iterations, stay as they are.
+/// The level without a bound of the work of its ticks. One computed otherwise takes more, and were it cut short the comparison would be one of budgets: at half the tick each has half the work, and most trainees
+/// had no verdict.
+fn without_budget(level: &str) -> String {
+    let line = |line: &str| match line.split(" = ").next() {
+        Some("[physics]") => "[physics]\nbudget = 1000\nmean_budget = 1000\n".to_owned(),
+        Some("budget" | "mean_budget") => String::new(),
+        _ => format!("{line}\n"),
+    };
+    level.lines().map(line).collect()
+}
+
+/// How a level is computed otherwise: what it is called, and the change. Levels without tissue, or whose method has no iterations, stay as they are; the others have no bound of their work.
 pub type Change = (&'static str, fn(&str) -> String);
 
 /// A level as it is, at twice the iterations, half the tick, and on a mesh one step finer: none of this is the trainee's doing.
 pub const CHANGES: [Change; 4] = [
     ("as shipped", str::to_owned),
     ("twice the iterations", |level| {
-        scaled(level, "iterations", 2.0)
+        without_budget(&scaled(level, "iterations", 2.0))
     }),
-    ("half the tick", |level| scaled(level, "tick", 0.5)),
-    ("finer mesh", finer),
+    ("half the tick", |level| {
+        without_budget(&scaled(level, "tick", 0.5))
+    }),
+    ("finer mesh", |level| without_budget(&finer(level))),
 ];
 
 /// The same but for the mesh, which vessels have from generators and files of their own kinds. Half the tick also where there is no tissue: what a module does with its
@@ -169,7 +182,9 @@ pub const CHANGES: [Change; 4] = [
 pub const COMPUTATIONS: [Change; 3] = [
     CHANGES[0],
     CHANGES[1],
-    (CHANGES[2].0, |level| scaled_lines(level, "tick", 0.5)),
+    (CHANGES[2].0, |level| {
+        without_budget(&scaled_lines(level, "tick", 0.5))
+    }),
 ];
 
 /// By how much the finer mesh has more cells along each axis: two where there were one or two, half as many again where there were more.
@@ -288,6 +303,10 @@ mod tests {
             CHANGES
                 .iter()
                 .all(|(_, change)| change(explicit) == explicit)
+        );
+        assert_eq!(
+            without_budget("[physics]\ngravity = 0\nbudget = 2\n[method]\n"),
+            "[physics]\nbudget = 1000\nmean_budget = 1000\ngravity = 0\n[method]\n"
         );
         let halved = COMPUTATIONS.map(|(_, change)| change(explicit));
         assert_eq!(halved[..2], [explicit, explicit]);
