@@ -165,7 +165,7 @@ pub const PASSED: &[(&str, &[u32], Lever, Passes)] = &[
     ),
     (
         "trim-blunt",
-        &[1, 2],
+        &[1],
         Lever::Plasticity,
         Passes::Finding(
             "the shear strength between the layers alone holds the adventitia where it was pushed",
@@ -173,7 +173,7 @@ pub const PASSED: &[(&str, &[u32], Lever, Passes)] = &[
     ),
     (
         "trim-blunt",
-        &[1, 2, 3],
+        &[1, 2, 3, 4],
         Lever::ShearStrength,
         Passes::Finding("what the adventitia flowed by alone holds it where it was pushed"),
     ),
