@@ -162,11 +162,12 @@ impl NewtonSolver {
         Ok(report)
     }
 
-    /// Whether overlaps, or in a step that `may_end_early` forces that mean nothing (of contact, or in tissue that has just been cut), take more iterations than the `most` that were asked for.
+    /// Whether overlaps, or in a step that `may_end_early` forces that mean nothing, take more iterations than the `most` that were asked for.
     fn needs_more(&self, most: u32, report: &StepReport, may_end_early: bool) -> bool {
         let options = &self.options.contact;
         let means_nothing = || {
             may_end_early
+                && !self.contacts.is_empty()
                 && !options
                     .residual
                     .hold(report.residual, report.force_residual)

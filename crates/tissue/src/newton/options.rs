@@ -9,7 +9,7 @@ use microsim_contact_solver::ContactOptions;
 /// How far Newton's method iterates in a step: number of iterations, tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
-    /// Most iterations per equation, at least 1; there may be [a few more](NewtonContactOptions::more_iterations). One is the linearly implicit
+    /// Most iterations per equation, at least 1; with contact there may be [a few more](NewtonContactOptions::more_iterations). One is the linearly implicit
     /// variant of a method.
     pub iterations: u32,
     /// The residual at which an equation is solved, relative to the forces in it. One that is no more than the rounding of
