@@ -42,6 +42,11 @@ fn is_scissors([r, g, b]: [u8; 3]) -> bool {
     b > 55 && g < 150 && i16::from(b) - i16::from(r) > 25 && i16::from(b) - i16::from(g) > 18
 }
 
+/// The light blue of the button that begins a level, and of the frame around it.
+fn is_button([r, g, b]: [u8; 3]) -> bool {
+    b > 200 && g > 150 && r < 130
+}
+
 /// The green of a verdict.
 fn is_passed([r, g, b]: [u8; 3]) -> bool {
     r < 90 && g > 180 && (130..190).contains(&b)
@@ -112,7 +117,13 @@ fn play(display: &Display, data: &Path) -> (Value, bool) {
     );
     keep(display, "window-introduction");
     display.key("Return");
-    std::thread::sleep(Duration::from_millis(500));
+    // What introduces the level stands in the field, in a frame as blue as the scissors.
+    let gone = |shot: &Shot| {
+        some(shot.find(FIELD, is_button), 20)
+            .is_none()
+            .then_some(())
+    };
+    display.wait_for("the training", Duration::from_secs(30), gone);
 
     // As high as the tissue: 2 mm up are eight steps of a hundredth of the field; that it rose is seen.
     let upper = |display: &Display| {

@@ -228,17 +228,12 @@ impl Search<'_> {
         let nodes = self.surface.edges[edge as usize].nodes;
         let from = nodes.map(|node| self.frame.start[node as usize]);
         let to = nodes.map(|node| self.frame.now[node as usize]);
-        // No point of a segment is nearer than half of what the distances of its ends exceed its length by.
-        let [one, two] = nodes.map(|node| distances[node as usize]);
-        let travel = one.travel.max(two.travel);
-        let least = Distances {
-            before: 0.5 * (one.before + two.before - (from[1] - from[0]).norm()),
-            now: 0.5 * (one.now + two.now - (to[1] - to[0]).norm()),
-            travel,
-        };
-        if self.is_out_of_reach(&least) || self.is_small(&from) {
+        let ends = nodes.map(|node| distances[node as usize]);
+        let [from_length, to_length] = [&from, &to].map(|of| (of[1] - of[0]).norm_squared());
+        if self.is_edge_out_of_reach(&ends, from_length, to_length) || self.is_small(&from) {
             return;
         }
+        let travel = ends[0].travel.max(ends[1].travel);
         let closest = closest_segments(&to[0], &to[1], &end.a, &end.b);
         let before = closest_segments(&from[0], &from[1], &start.a, &start.b);
         let apart_before = before.first.point - before.second.point;
@@ -286,18 +281,27 @@ impl Search<'_> {
         of.before + of.now - travel < 2.0 * self.swept.end.radius
     }
 
-    /// Whether what is nowhere nearer than this, but for rounding, does not touch.
-    fn is_out_of_reach(&self, least: &Distances) -> bool {
+    /// Whether no point of an edge can touch, by where its ends are and the squares of its length before the step and now \[m²\]: no point of a segment is nearer than half of what
+    /// the distances of its ends exceed its length by. It takes no square root, as most edges are out of reach, and may leave some of them to what follows.
+    fn is_edge_out_of_reach(
+        &self,
+        [one, two]: &[Distances; 2],
+        length_before: f64,
+        length_now: f64,
+    ) -> bool {
         if self.compares_all {
             return false;
         }
-        let rounding = ON_AXIS * self.swept.end.radius;
-        let least = Distances {
-            before: least.before - rounding,
-            now: least.now - rounding,
-            ..*least
-        };
-        !(self.is_near(&least) || self.may_pass(&least))
+        let radius = (1.0 + ON_AXIS) * self.swept.end.radius;
+        let now = one.now + two.now;
+        // Of what is near, the length exceeds this, and of what may pass, the sum of both lengths does.
+        let of_near = now - 2.0 * (radius + self.frame.reach);
+        let travel = one.travel.max(two.travel) + self.swept.travel;
+        let of_passing = one.before + two.before + now - 2.0 * travel - 4.0 * radius;
+        let may_exceed = |length: f64, squared: f64| length <= 0.0 || length * length <= squared;
+        let is_near = may_exceed(of_near, length_now);
+        // (a + b)² ≤ 2 (a² + b²).
+        !is_near && !may_exceed(of_passing, 2.0 * (length_before + length_now))
     }
 
     /// Whether an end of the axis may touch the inside of a face, or have come through it: its distance from it was 0 meanwhile, but for

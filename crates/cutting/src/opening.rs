@@ -184,13 +184,21 @@ pub(crate) fn retain_flakes(
         }
     }
     let starts: Vec<u32> = open.iter().map(|&(element, _)| element).collect();
+    // Elements of parts that are no flakes, while no more hangs together than was found.
+    let mut large: BTreeSet<u32> = BTreeSet::new();
     for start in starts {
         let is_old = |&element: &u32| {
             let mut triangles = topology.triangles_of(element);
             triangles.any(|t| t.sheet != 0 && t.sheet != stroke.sheet)
         };
-        let on_lip = || small_part(editor, start, &open, settings);
-        let on_lip = || on_lip().filter(|part| part.iter().any(is_old));
+        let on_lip = || {
+            let part = small_part(editor, start, &open, &mut large, settings)?;
+            if !part.iter().any(is_old) {
+                large.extend(part);
+                return None;
+            }
+            Some(part)
+        };
         let Some(flake) = flat_part(topology, stroke, start, &open).or_else(on_lip) else {
             continue;
         };
@@ -202,6 +210,7 @@ pub(crate) fn retain_flakes(
         let Some(&(element, corner)) = largest else {
             continue;
         };
+        large.clear();
         open.remove(&(element, corner));
         if let Some(other) = topology.neighbour(element, corner) {
             open.remove(&(other, topology.back(element, other)));
@@ -239,11 +248,12 @@ fn is_flat(topology: &Topology, stroke: &Stroke, element: u32) -> bool {
     tet.iter().all(|node| stroke.is_on_path(*node))
 }
 
-/// All that `start` will hang together with, if that is little or thin.
+/// All that `start` will hang together with, if that is little or thin; else what of it was looked at joins the `large` parts.
 fn small_part(
     editor: &Editor,
     start: u32,
     open: &BTreeSet<(u32, usize)>,
+    large: &mut BTreeSet<u32>,
     settings: &Settings,
 ) -> Option<Vec<u32>> {
     let topology = &*editor.topology;
@@ -252,6 +262,10 @@ fn small_part(
     let mut next = 0;
     while let Some(&element) = part.get(next) {
         next += 1;
+        if large.contains(&element) || part.len() > FLAKE {
+            large.extend(part);
+            return None;
+        }
         volume += editor.rest_volume(element);
         let is_inside = |corner: usize, other: u32| {
             let is_closed = topology.marks[element as usize][corner] == 0;
@@ -267,12 +281,13 @@ fn small_part(
                 part.push(other);
             }
         }
-        if part.len() > FLAKE {
-            return None;
-        }
     }
     let thickness = 2.0 * volume / area;
     let is_flake = volume <= settings.flake_volume * topology.mean_volume
         || thickness <= settings.flake_thickness * topology.mean_edge;
-    is_flake.then_some(part)
+    if !is_flake {
+        large.extend(part);
+        return None;
+    }
+    Some(part)
 }

@@ -10,7 +10,7 @@
 //! - **Tools do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both yield by half; jaws
 //!   open where that is how they yield.
 //! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
-//!   tools that touch nothing, where the bodies go only so large a part of the motion that was found as none diverges in. From then on they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
+//!   tools that touch nothing, where the bodies go only so large a part of the motion that was found as none diverges in. From then on, and after a tick whose forces mean nothing, they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
 //!   Only methods with inertia do so; a quasi-static tick that diverges is left at its start.
 //! - **What does not fit in the work of a tick waits.** A tool that is too fast for it makes only a part of its motion, and one whose steps take more than was foreseen
 //!   stops in it ([`budget`](crate::budget)); the next tick goes on from there.
@@ -92,6 +92,11 @@ impl Placements {
     /// After a tick that could not be computed but with the tools where they were.
     pub fn slow_down(&mut self) {
         self.pace = (self.pace * SLOWED).max(SLOWEST);
+    }
+
+    /// After one whose forces mean nothing. Still slower would leave them where they are what cannot be computed.
+    pub fn ease(&mut self) {
+        self.pace = SLOWED;
     }
 
     /// After one that could be computed.

@@ -47,7 +47,7 @@ impl Scene {
     /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help it is computed with the tools where they were, and else with tools that touch nothing, of which the bodies go as large a part, halved and halved again, as none diverges in; when there is no such part either the
     /// scene stays at the start of the tick, where after implicit steps the bodies are at rest that diverged, without shreds that ruptured meanwhile, and the error describes what happened; the next tick may go on from there. A tick whose forces
     /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, four times the iterations and, where the interior-point method has found no forces, the augmented Lagrangian method of contact, and not [`valid`](TickReport::valid) if
-    /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple.
+    /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple; where there is inertia tools make only a part of their motions in them, so that less has to be computed.
     ///
     /// ```
     /// # use microsim_mesh::{Block, CellSplit};
@@ -130,6 +130,7 @@ impl Scene {
         // Without containment only what did not converge is repeated.
         let mut doubted = start.doubtful || !self.repeat_invalid || !self.containment;
         let pace = slowed * reach;
+        let eases = self.repeat_invalid && self.containment && self.method.has_inertia();
         // Instruments that are slowed down already are not tried at length.
         let repeats = (self.containment || self.repeat_unconverged) && slowed >= 1.0;
         let is_tried = |(index, of): &(usize, Try)| match of {
@@ -221,7 +222,9 @@ impl Scene {
                     budget.is_exceeded |= solver.cut_short > 0;
                     let placements = &mut self.state.placements;
                     course.store(placements);
+                    // What is too much for one tick is divided among several.
                     match this {
+                        Try::Follow(_) if !valid && eases => placements.ease(),
                         Try::Follow(_) => placements.speed_up(),
                         Try::Stand | Try::LetGo => placements.slow_down(),
                     }

@@ -6,7 +6,8 @@ use crate::scene::Scene;
 use microsim_tissue::ResidualBounds;
 use nalgebra::Vector3;
 
-/// Up to where the forces of a tick mean something. The bounds of residuals were set before any run was judged by them.
+/// Up to where the forces of a tick mean something. The bounds of residuals were set before any run was judged by them but that of jumps, which replaced the tolerance
+/// of the method: what was solved to 0.3 % of all forces was not taken for half a second, as the last tick before it had a smaller force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverBounds {
     /// Of residuals.
@@ -18,6 +19,8 @@ pub struct SolverBounds {
     pub jump_force: f64,
     /// By default three: no hand is so fast within the 8 ms of a tick.
     pub jump_ratio: f64,
+    /// A jump with a smaller residual relative to the forces is what the equations have as their solution. By default a hundredth.
+    pub jump_residual: f64,
     /// A force of a tool so many times that of the hand is one that no hand has pushed with. By default two: a hand yields a step later.
     pub hand_ratio: f64,
 }
@@ -29,6 +32,7 @@ impl Default for SolverBounds {
             contact_residual: 0.1,
             jump_force: 0.03,
             jump_ratio: 3.0,
+            jump_residual: 0.01,
             hand_ratio: 2.0,
         }
     }
@@ -39,6 +43,11 @@ impl SolverReport {
     pub fn is_within(&self, bounds: &SolverBounds) -> bool {
         bounds.residual.hold(self.residual, self.force_residual)
             && self.contact_residual <= bounds.contact_residual
+    }
+
+    /// Whether even a force that has jumped is what the equations have as their solution.
+    fn is_solved(&self, bounds: &SolverBounds) -> bool {
+        self.unconverged == 0 || self.residual <= bounds.jump_residual
     }
 }
 
@@ -52,7 +61,7 @@ fn has_jumped(last: Option<&WindowTick>, force: f64, grip: f64, bounds: &SolverB
 
 impl Scene {
     /// Whether what an attempt of a tick found means anything: its residuals are within the bounds, no hand has pushed harder than it does, and no force of a tool has
-    /// jumped where a step ended above its tolerance. A jump that is solved to the tolerance is what the equations have as their solution.
+    /// jumped where a residual leaves open whether that is what the equations have as their solution.
     pub(crate) fn is_meaningful(&self, solver: &SolverReport, contacts: &[ContactReport]) -> bool {
         let bounds = SolverBounds::default();
         let of_tools = || {
@@ -75,7 +84,7 @@ impl Scene {
         };
         solver.is_within(&bounds)
             && !of_tools().any(is_pushed)
-            && (solver.unconverged == 0 || !jumps())
+            && (solver.is_solved(&bounds) || !jumps())
     }
 
     /// Adds the forces of a tick of `length` \[s\] to the windows of their pairs, unless they mean nothing, and writes the means over these windows
@@ -146,6 +155,22 @@ mod tests {
         assert!(within(0.05, 0.1, 0.0) && within(0.9, 1e-4, 0.0));
         assert!(!within(0.2, 2e-3, 0.0) && !within(0.05, 1e-4, 0.2));
         assert!(!within(f64::NAN, f64::NAN, 0.0) && !within(0.0, 0.0, f64::NAN));
+    }
+
+    /// A jump counts with a residual of a hundredth, or of any size to which the method was to converge.
+    #[test]
+    fn what_has_jumped_is_to_be_solved() {
+        let bounds = SolverBounds::default();
+        let solved = |unconverged: u32, residual: f64| {
+            let report = SolverReport {
+                unconverged,
+                residual,
+                ..SolverReport::default()
+            };
+            report.is_solved(&bounds)
+        };
+        assert!(solved(1, 0.01) && solved(0, 0.05));
+        assert!(!solved(1, 0.011) && !solved(1, f64::NAN));
     }
 
     /// Three times the tick before and 30 mN: both, for force and grip alike.

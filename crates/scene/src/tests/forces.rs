@@ -231,6 +231,8 @@ fn a_tick_whose_forces_mean_nothing_is_repeated_once() {
     let report = scene.tick(&[blow], 0.05, 1, &Serial).unwrap();
     assert!(!report.valid, "{:?}", report.solver);
     assert_eq!((report.repetitions, report.recoveries.len()), (1, 0));
+    // What follows is divided among several ticks.
+    assert_eq!(scene.state.placements.pace, 0.25);
     let sustained = |contact: &ContactReport| contact.sustained_force_n;
     assert!(
         report
@@ -246,6 +248,9 @@ fn a_tick_whose_forces_mean_nothing_is_repeated_once() {
         assert_eq!(report.repetitions, 0, "{:?}", report.solver);
         let valid = (0..40).any(|_| scene.tick(&[away], 0.05, 1, &Serial).unwrap().valid);
         assert!(valid, "a body that nothing touches comes to rest");
+        // Two valid ticks, and the jaws make whole motions again.
+        scene.tick(&[away], 0.05, 1, &Serial).unwrap();
+        assert_eq!(scene.state.placements.pace, 1.0);
         let report = scene.tick(&[blow], 0.05, 1, &Serial).unwrap();
         assert_eq!((report.valid, report.repetitions), (false, 1));
     }
@@ -258,4 +263,5 @@ fn a_tick_whose_forces_mean_nothing_is_repeated_once() {
     .unwrap();
     let report = once.tick(&[blow], 0.05, 1, &Serial).unwrap();
     assert_eq!((report.valid, report.repetitions), (false, 0));
+    assert_eq!(once.state.placements.pace, 1.0);
 }
