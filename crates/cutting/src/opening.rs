@@ -184,17 +184,17 @@ pub(crate) fn retain_flakes(
         }
     }
     let starts: Vec<u32> = open.iter().map(|&(element, _)| element).collect();
-    // Elements of parts that are no flakes, while no more hangs together than was found.
-    let mut large: BTreeSet<u32> = BTreeSet::new();
+    // Elements of parts that are no flakes, as long as no more hangs together than was found.
+    let mut whole: BTreeSet<u32> = BTreeSet::new();
     for start in starts {
         let is_old = |&element: &u32| {
             let mut triangles = topology.triangles_of(element);
             triangles.any(|t| t.sheet != 0 && t.sheet != stroke.sheet)
         };
         let on_lip = || {
-            let part = small_part(editor, start, &open, &mut large, settings)?;
+            let part = small_part(editor, start, &open, &mut whole, settings)?;
             if !part.iter().any(is_old) {
-                large.extend(part);
+                whole.extend(part);
                 return None;
             }
             Some(part)
@@ -210,7 +210,7 @@ pub(crate) fn retain_flakes(
         let Some(&(element, corner)) = largest else {
             continue;
         };
-        large.clear();
+        whole.clear();
         open.remove(&(element, corner));
         if let Some(other) = topology.neighbour(element, corner) {
             open.remove(&(other, topology.back(element, other)));
@@ -248,12 +248,12 @@ fn is_flat(topology: &Topology, stroke: &Stroke, element: u32) -> bool {
     tet.iter().all(|node| stroke.is_on_path(*node))
 }
 
-/// All that `start` will hang together with, if that is little or thin; else what of it was looked at joins the `large` parts.
+/// All that `start` will hang together with, if that is little or thin; else what of it was looked at joins what is `whole`.
 fn small_part(
     editor: &Editor,
     start: u32,
     open: &BTreeSet<(u32, usize)>,
-    large: &mut BTreeSet<u32>,
+    whole: &mut BTreeSet<u32>,
     settings: &Settings,
 ) -> Option<Vec<u32>> {
     let topology = &*editor.topology;
@@ -262,8 +262,8 @@ fn small_part(
     let mut next = 0;
     while let Some(&element) = part.get(next) {
         next += 1;
-        if large.contains(&element) || part.len() > FLAKE {
-            large.extend(part);
+        if whole.contains(&element) || part.len() > FLAKE {
+            whole.extend(part);
             return None;
         }
         volume += editor.rest_volume(element);
@@ -286,7 +286,7 @@ fn small_part(
     let is_flake = volume <= settings.flake_volume * topology.mean_volume
         || thickness <= settings.flake_thickness * topology.mean_edge;
     if !is_flake {
-        large.extend(part);
+        whole.extend(part);
         return None;
     }
     Some(part)

@@ -94,9 +94,9 @@ impl Placements {
         self.pace = (self.pace * SLOWED).max(SLOWEST);
     }
 
-    /// After one whose forces mean nothing. Still slower would leave them where they are what cannot be computed.
+    /// After one whose forces mean nothing: no more than a part, but slower and slower would leave them where they are what cannot be computed.
     pub fn ease(&mut self) {
-        self.pace = SLOWED;
+        self.pace = (2.0 * self.pace).min(SLOWED);
     }
 
     /// After one that could be computed.

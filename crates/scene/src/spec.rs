@@ -27,7 +27,7 @@ pub struct SceneSpec {
     /// Whether a body that diverges is rolled back and computed again with shorter steps. Without it the first divergence
     /// ends the run: measurements of methods need that.
     pub containment: bool,
-    /// Whether a tick whose forces mean nothing is computed again; only with containment.
+    /// Whether a tick whose forces mean nothing is computed again, and tools make only a part of their motions after it; only with containment.
     pub repeat_invalid: bool,
     /// Whether, without containment too, a tick in which an implicit step did not converge is computed again with shorter steps; the
     /// report of the tick lists it. A tick that converges is not changed by it.

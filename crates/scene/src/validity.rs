@@ -19,8 +19,11 @@ pub struct SolverBounds {
     pub jump_force: f64,
     /// By default three: no hand is so fast within the 8 ms of a tick.
     pub jump_ratio: f64,
-    /// A jump with a smaller residual relative to the forces is what the equations have as their solution. By default a hundredth.
+    /// What has jumped is what the equations have as their solution where no more is left of them than this: of the residual relative to the forces, and of the multiplier residual of
+    /// contacts relative to the mean edge length. By default a hundredth.
     pub jump_residual: f64,
+    /// And no more than this of the residual itself \[N\]. By default 3 mN, a tenth of [`jump_force`](Self::jump_force).
+    pub jump_force_residual: f64,
     /// A force of a tool so many times that of the hand is one that no hand has pushed with. By default two: a hand yields a step later.
     pub hand_ratio: f64,
 }
@@ -33,6 +36,7 @@ impl Default for SolverBounds {
             jump_force: 0.03,
             jump_ratio: 3.0,
             jump_residual: 0.01,
+            jump_force_residual: 3e-3,
             hand_ratio: 2.0,
         }
     }
@@ -47,7 +51,10 @@ impl SolverReport {
 
     /// Whether even a force that has jumped is what the equations have as their solution.
     fn is_solved(&self, bounds: &SolverBounds) -> bool {
-        self.unconverged == 0 || self.residual <= bounds.jump_residual
+        let is_near = self.residual <= bounds.jump_residual
+            && self.force_residual <= bounds.jump_force_residual
+            && self.contact_residual <= bounds.jump_residual;
+        self.unconverged == 0 || is_near
     }
 }
 
@@ -157,20 +164,24 @@ mod tests {
         assert!(!within(f64::NAN, f64::NAN, 0.0) && !within(0.0, 0.0, f64::NAN));
     }
 
-    /// A jump counts with a residual of a hundredth, or of any size to which the method was to converge.
+    /// A jump counts with residuals of a hundredth and 3 mN, or of any size to which the method was to converge.
     #[test]
     fn what_has_jumped_is_to_be_solved() {
         let bounds = SolverBounds::default();
-        let solved = |unconverged: u32, residual: f64| {
-            let report = SolverReport {
-                unconverged,
-                residual,
-                ..SolverReport::default()
+        let solved =
+            |unconverged: u32, residual: f64, force_residual: f64, contact_residual: f64| {
+                let report = SolverReport {
+                    unconverged,
+                    residual,
+                    force_residual,
+                    contact_residual,
+                    ..SolverReport::default()
+                };
+                report.is_solved(&bounds)
             };
-            report.is_solved(&bounds)
-        };
-        assert!(solved(1, 0.01) && solved(0, 0.05));
-        assert!(!solved(1, 0.011) && !solved(1, f64::NAN));
+        assert!(solved(1, 0.01, 3e-3, 0.01) && solved(0, 0.05, 0.1, 0.05));
+        assert!(!solved(1, 0.011, 0.0, 0.0) && !solved(1, f64::NAN, 0.0, 0.0));
+        assert!(!solved(1, 0.0, 3.1e-3, 0.0) && !solved(1, 0.0, 0.0, 0.011));
     }
 
     /// Three times the tick before and 30 mN: both, for force and grip alike.
