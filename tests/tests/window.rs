@@ -15,6 +15,8 @@ const FIELD: [[usize; 2]; 2] = [[275, 0], [1005, 720]];
 /// Pixels per millimetre of a field of 25 mm that is 720 pixels high, and the cosine of its tilt of 50°.
 const SCALE: f64 = 720.0 / 25.0;
 const FORESHORTENING: f64 = 0.643;
+/// Where a level is introduced before it begins.
+const INTRODUCTION: [[usize; 2]; 2] = [[455, 0], [830, 210]];
 
 /// Where the button of trainees and results lies in the launcher, the first name on their screen, and the buttons there that compare and export.
 const RECORDS: [i32; 2] = [929, 24];
@@ -116,13 +118,11 @@ fn play(display: &Display, data: &Path) -> (Value, bool) {
         "the scissors are there"
     );
     keep(display, "window-introduction");
-    display.key("Return");
     // What introduces the level stands in the field, in a frame as blue as the scissors.
-    let gone = |shot: &Shot| {
-        some(shot.find(FIELD, is_button), 20)
-            .is_none()
-            .then_some(())
-    };
+    let button = |shot: &Shot| some(shot.find(INTRODUCTION, is_button), 20);
+    display.wait_for("the introduction", Duration::from_secs(10), button);
+    display.key("Return");
+    let gone = |shot: &Shot| button(shot).is_none().then_some(());
     display.wait_for("the training", Duration::from_secs(30), gone);
 
     // As high as the tissue: 2 mm up are eight steps of a hundredth of the field; that it rose is seen.
