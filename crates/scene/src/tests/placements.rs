@@ -1,6 +1,7 @@
 //! Tools between where a hand holds them and where tissue, and one another, let them be.
 
 use super::*;
+use crate::placement::Placements;
 use crate::tool::Tool;
 use microsim_geometry::{Hinge, Joint};
 use microsim_tissue::law::LawName;
@@ -475,4 +476,21 @@ fn tools_whose_steps_must_converge_do_not_stop() {
     let (mut scene, motion) = pushed_over(4e-3, true);
     let report = scene.tick(&[motion], TICK, 1, &Serial).unwrap();
     assert_eq!(report.solver.steps, report.substeps, "{report:?}");
+}
+
+/// A quarter of the motion after a tick without meaning and a quarter of that after each that stood; from there it doubles, up to a quarter while ticks mean nothing, and to all of it
+/// after valid ones.
+#[test]
+fn the_pace_of_instruments_comes_back_by_doubling() {
+    let mut placements = Placements::new(0);
+    placements.ease();
+    assert_eq!(placements.pace, 0.25);
+    (0..3).for_each(|_| placements.slow_down());
+    assert_eq!(placements.pace, 1.0 / 64.0);
+    placements.ease();
+    assert_eq!(placements.pace, 1.0 / 32.0);
+    (0..4).for_each(|_| placements.ease());
+    assert_eq!(placements.pace, 0.25);
+    (0..3).for_each(|_| placements.speed_up());
+    assert_eq!(placements.pace, 1.0);
 }
