@@ -54,6 +54,8 @@ pub(crate) struct Tool {
     parts: Vec<Part>,
     /// Of both jaws against what opens or closes them, per unit of opening \[J\]; infinite where they are rigid.
     pub jaw_stiffness: f64,
+    /// By what the tips come together per unit of opening \[m\]; infinite without jaws.
+    path_of_closing: f64,
     irrigation: Option<IrrigationSpec>,
     /// Its own motion; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
@@ -153,7 +155,8 @@ impl Tool {
         Ok(Self {
             name: spec.name.clone(),
             parts,
-            jaw_stiffness: spec.jaw_stiffness * path_of_tips(&spec.capsules),
+            jaw_stiffness: spec.jaw_stiffness * squared_paths_of_tips(&spec.capsules),
+            path_of_closing: (2.0 * squared_paths_of_tips(&spec.capsules)).sqrt(),
             irrigation: spec.irrigation,
             motion: spec.motion.clone(),
         })
@@ -175,6 +178,14 @@ impl Tool {
     /// Whether its fluid flows at any time of a motion.
     pub fn irrigates(&self, motion: &ToolMotion) -> bool {
         self.irrigation.is_some() && motion.opening_from.max(motion.opening_to) > 0.0
+    }
+
+    /// By what its tips come together in the motion from one opening to another \[m\], 0 where they open; both jaws turn alike.
+    pub fn closing(&self, from: f64, to: f64) -> f64 {
+        match from > to {
+            true => (from - to) * self.path_of_closing,
+            false => 0.0,
+        }
     }
 
     /// The name of a capsule.
@@ -339,7 +350,7 @@ fn is_valid(of: &IrrigationSpec) -> bool {
 
 /// Σ (l α)² over the jaws \[m²\], with the distance l of the tip from the hinge and the turn α per unit of opening: times the stiffness of a tip it is
 /// that of the opening. Infinite without jaws, which nothing opens.
-fn path_of_tips(capsules: &[CapsuleSpec]) -> f64 {
+fn squared_paths_of_tips(capsules: &[CapsuleSpec]) -> f64 {
     let of_jaw = |jaw: Jaw| {
         let parts = capsules.iter().filter(|part| part.jaw == Some(jaw));
         let paths = parts.filter_map(|part| match part.joint {

@@ -1,4 +1,4 @@
-//! How a tick is divided for tools that are fast: by what of them comes near tissue.
+//! How a tick is divided for tools that are fast: by what of them comes near tissue, and by how far jaws close on it.
 
 use crate::division::Division;
 use crate::pairs::{Pair, PairPartner};
@@ -11,6 +11,10 @@ use nalgebra::Vector3;
 /// (NUMERICS 6), and implicit ones, which find contact again in every iteration and over the whole path of a capsule.
 const TRAVEL_EXPLICIT: f64 = 0.25;
 const TRAVEL_IMPLICIT: f64 = 2.0;
+
+/// In an implicit step jaws that hold tissue close by at most so many times its mean edge length. What is between them is turned inside out where their distance
+/// vanishes in one, and does not turn back when they open. Measured with forceps that twitch: at 0.57 one hold in 16 is lost, here none, and 0.1 is no better.
+const CLOSING_IMPLICIT: f64 = 0.25;
 
 /// A tool that needs more sub-steps than this has jumped.
 const MAX_SUBSTEPS: u32 = 256;
@@ -31,7 +35,7 @@ impl Scene {
         let (mut most, mut jumped) = (1.0f64, Vec::new());
         for motion in motions {
             let tool = &self.tools[motion.tool];
-            let mut needed = 1.0f64;
+            let mut needed = (self.closing_steps(motion) / f64::from(steps)).max(1.0);
             for body in self.touched_by(motion.tool) {
                 let edge = self.bodies[body].model.mean_edge_length();
                 // Far from the body a tool may be as fast as it likes.
@@ -64,6 +68,9 @@ impl Scene {
         }
         let mut near = vec![false; parts as usize];
         for motion in motions {
+            if self.closing_steps(motion) > f64::from(steps) {
+                return Division::even(parts);
+            }
             for body in self.touched_by(motion.tool) {
                 let edge = self.bodies[body].model.mean_edge_length();
                 let reach = self.bounds(body).inflated(edge + self.drift(body, tick_s));
@@ -76,6 +83,19 @@ impl Scene {
             }
         }
         Division::around(&near, steps)
+    }
+
+    /// Number of implicit steps for jaws that hold tissue and close.
+    fn closing_steps(&self, motion: &ToolMotion) -> f64 {
+        let placement = self.state.placements.tools[motion.tool];
+        let held = placement.filter(|of| of.moment > 0.0 && !self.method.is_explicit());
+        let Some(held) = held else {
+            return 0.0;
+        };
+        let edges = self.touched_by(motion.tool);
+        let edges = edges.map(|body| self.bodies[body].model.mean_edge_length());
+        let least = CLOSING_IMPLICIT * edges.fold(f64::INFINITY, f64::min);
+        self.tools[motion.tool].closing(held.target, motion.opening_to) / least
     }
 
     /// Marks the even parts of a tick in which the tool may come to the surface of a body.

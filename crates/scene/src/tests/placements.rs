@@ -160,6 +160,53 @@ fn what_is_between_jaws_that_close_completely_is_squeezed() {
     }
 }
 
+/// Jaws that close on what they hold within a tick, and open again in the next, take shorter steps: nothing is repeated, and they hold it with the force of before, as the
+/// tissue is elastic; a tenth of it is left to what slips under friction. The steps are those of the distance by which the tips close, 2 l α per unit of opening.
+#[test]
+fn jaws_that_twitch_hold_what_they_held() {
+    let method = Method::ImplicitEuler(Newton {
+        iterations: 8,
+        tolerance: 1e-3,
+        must_converge: false,
+    });
+    let mut scene = Scene::new(&SceneSpec {
+        method,
+        ..gripped()
+    })
+    .unwrap();
+    let edge = scene.bodies[0].model.mean_edge_length();
+    let held = 0.15;
+    // The force between the jaws at the end, and the sub-steps of the last tick.
+    let mut follow = |openings: &[[f64; 2]]| {
+        let mut end = (0.0, 0);
+        for openings in openings {
+            let report = scene.tick(&[at(-0.4e-3, *openings)], TICK, 1, &Serial);
+            let report = report.unwrap();
+            assert!(
+                report.recoveries.is_empty() && !report.stands,
+                "{openings:?}"
+            );
+            let parts = report.contacts.iter().flat_map(|contact| &contact.parts);
+            end = (
+                parts.map(|part| 0.5 * part.normal_force_n).sum(),
+                report.substeps,
+            );
+        }
+        end
+    };
+    let closes = (0..30).map(|k| [k, k + 1].map(|k| 0.5 + (held - 0.5) * f64::from(k) / 30.0));
+    follow(&closes.collect::<Vec<_>>());
+    let rest = [[held; 2]; 40];
+    let (before, _) = follow(&rest);
+    let (_, substeps) = follow(&[[held, 0.0]]);
+    let steps = 2.0 * LENGTH * TURN * held / (0.25 * edge);
+    assert_eq!(substeps, steps.ceil() as u32);
+    follow(&[[0.0, held]]);
+    let (after, _) = follow(&rest);
+    assert!(before > 1e-3, "{before} N");
+    assert!((after / before - 1.0).abs() < 0.1, "{before} N, {after} N");
+}
+
 /// Without any force a tool is where the hand holds it, to the bit.
 #[test]
 fn a_tool_that_touches_nothing_is_where_it_is_held() {

@@ -133,7 +133,7 @@ impl NewtonSolver {
         exec: &dyn Executor,
     ) -> Result<(), StepFailure> {
         let overlap = &self.options.contact_solvers.overlap;
-        let most = overlap.undone(self.frequency, h);
+        let (most, longest) = (overlap.undone(self.frequency, h), overlap.longest);
         let gap_tolerance = self.options.contact.multiplier_tolerances[1];
         let positions = &mut self.trial.positions;
         if !self
@@ -177,8 +177,9 @@ impl NewtonSolver {
         self.factorise(&problem, Tangent::Positive)
             .and_then(|()| self.solve_contacts(fixed, tolerances, most_operations))
             .map_err(|failure| self.why_not_positive(failure))?;
+        let part = (longest / self.reach()).min(1.0);
         for (x, d) in self.trial.positions.iter_mut().zip(&self.direction) {
-            *x += d;
+            *x += d * part;
         }
         Ok(())
     }

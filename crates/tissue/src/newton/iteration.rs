@@ -74,9 +74,14 @@ impl NewtonSolver {
         (self.retains_matrix, self.has_bare_factor) = (false, false);
         report.converged = false;
         let mut tangent = Tangent::Exact;
-        let (mut least, mut stagnated) = (f64::INFINITY, 0);
+        let (mut least, mut least_force, mut stagnated) = (f64::INFINITY, f64::INFINITY, 0);
         let most = newton.iterations.saturating_mul(self.effort.iterations);
         let may_end_early = !newton.must_converge && equation.rate > 0.0;
+        // Where hardly any force is left, the residual relative to them is no measure.
+        let least_scale = match may_end_early {
+            true => options.contact.residual.force,
+            false => 0.0,
+        };
         while report.iterations < most || self.needs_more(most, &report, may_end_early) {
             // What must converge fails if it is cut short, and takes more in the end.
             if report.iterations > 0 && self.work >= self.allowed_work {
@@ -111,7 +116,9 @@ impl NewtonSolver {
             report.contact_residual = self.contacts.multiplier_residual();
             report.backtracks = self.backtracks;
             report.contact_failures = self.contacts.failures;
-            if report.residual <= newton.tolerance
+            let enough = report.residual <= newton.tolerance
+                || report.force_residual <= newton.tolerance * least_scale;
+            if enough
                 && report.residual.is_finite()
                 && report.contact_residual <= tolerances.multipliers
             {
@@ -129,11 +136,16 @@ impl NewtonSolver {
                 return Ok(report);
             }
             self.retains_matrix = full_early && self.is_short(options.contact.short);
-            stagnated = match report.residual < options.decrease * least {
-                true => 0,
-                false => stagnated + 1,
+            // What means nothing yet goes on as long as it falls at all.
+            let decrease = match may_end_early && self.means_nothing(&report) {
+                true => options.slow_decrease,
+                false => options.decrease,
             };
+            let falls = report.residual < decrease * least
+                || (may_end_early && report.force_residual < decrease * least_force);
+            stagnated = if falls { 0 } else { stagnated + 1 };
             least = least.min(report.residual);
+            least_force = least_force.min(report.force_residual);
             let stagnates = stagnated >= options.stagnation;
             if stagnates && self.takes_interior_point() && !overlaps {
                 break;
@@ -165,15 +177,15 @@ impl NewtonSolver {
     /// Whether overlaps, or in a step that `may_end_early` forces that mean nothing, take more iterations than the `most` that were asked for.
     fn needs_more(&self, most: u32, report: &StepReport, may_end_early: bool) -> bool {
         let options = &self.options.contact;
-        let means_nothing = || {
-            may_end_early
-                && !self.contacts.is_empty()
-                && !options
-                    .residual
-                    .hold(report.residual, report.force_residual)
-        };
+        let means_nothing = may_end_early && self.means_nothing(report);
         report.iterations < most.saturating_add(options.more_iterations)
-            && (self.contacts.overlap() > options.overlap || means_nothing())
+            && (self.contacts.overlap() > options.overlap || means_nothing)
+    }
+
+    /// Whether the forces of an early-terminated step would mean nothing if it ended here.
+    fn means_nothing(&self, report: &StepReport) -> bool {
+        let bounds = &self.options.contact.residual;
+        !bounds.hold(report.residual, report.force_residual)
     }
 
     /// Makes one iteration from `trial`, whose residual is `residual` relative to the forces: with the matrix asked for in `tangent`, or with

@@ -33,8 +33,10 @@ pub struct NewtonOptions {
     /// scale, and may be many times those of a load that is to move it.
     pub rest_tolerance: f64,
     /// The residual has fallen where it is below this ratio of what it was; in 0.1..0.9. The exact tangent is tried again then, and an
-    /// iteration without it counts as stagnation.
+    /// iteration without it, of the residual itself as well, counts as stagnation.
     pub decrease: f64,
+    /// That ratio of an early-terminated step whose forces would mean nothing yet; in `decrease`..1. Measured.
+    pub slow_decrease: f64,
     /// Iterations in a row without such a decrease that end an early-terminated step; at least 1. More cost time and gain no digits.
     /// Measured.
     pub stagnation: u32,
@@ -104,7 +106,8 @@ pub struct NewtonContactOptions {
     /// turn in large steps. Measured.
     pub overlap: f64,
     /// In an early-terminated step of time a larger residual at the end does, too: its forces would mean nothing, and to begin again with
-    /// shorter steps takes more. Where tools tremble it is what the first iterations leave of a surface that has turned.
+    /// shorter steps takes more. Where tools tremble it is what the first iterations leave of a surface that has turned. Times
+    /// the tolerance of the method its force is a residual at which such a step is solved however small all forces are: a body at rest takes one iteration.
     pub residual: ResidualBounds,
     /// So many iterations more.
     pub more_iterations: u32,
@@ -146,6 +149,7 @@ impl Default for NewtonOptions {
             linear_tolerances: [1e-8, 1e-3],
             rest_tolerance: 1e-6,
             decrease: 0.5,
+            slow_decrease: 0.9,
             stagnation: 3,
             stagnated_tolerance: 100.0,
             line_search: LineSearchOptions {
@@ -168,7 +172,7 @@ impl Default for NewtonOptions {
                 friction_tolerance: 1e-2,
                 overlap: 0.02,
                 residual: ResidualBounds::default(),
-                more_iterations: 3,
+                more_iterations: 6,
                 searches: 5,
                 early_searches: 4,
                 retreats: 3,
