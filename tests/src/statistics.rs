@@ -61,6 +61,15 @@ pub fn hedges(first: &Group, second: &Group) -> Option<(f64, f64)> {
     ))
 }
 
+/// The mean of effects of several strata, each with its standard error, weighted by their inverse squares, and its own (fixed-effect meta-analysis; Hedges and Olkin 1985). `None`
+/// of none. As the error of a small group grows with its effect, large ones count for less: the mean is rather too small than too large.
+pub fn pooled(effects: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let weights = || effects.iter().map(|(_, error)| error.powi(-2));
+    let all: f64 = weights().sum();
+    let weighted = weights().zip(effects).map(|(weight, (g, _))| weight * g);
+    (!effects.is_empty()).then(|| (weighted.sum::<f64>() / all, all.powf(-0.5)))
+}
+
 /// Two-sided probability of an effect at least as large without a difference, from its standard error (normal approximation).
 pub fn probability(effect: f64, error: f64) -> f64 {
     libm::erfc(effect.abs() / error / std::f64::consts::SQRT_2)

@@ -54,7 +54,7 @@ pub(crate) struct Tool {
     parts: Vec<Part>,
     /// Of both jaws against what opens or closes them, per unit of opening \[J\]; infinite where they are rigid.
     pub jaw_stiffness: f64,
-    /// By what the tips come together per unit of opening \[m\]; infinite without jaws.
+    /// By what the tips come together per unit of opening \[m\]; 0 without jaws, and where they cut what they close on.
     path_of_closing: f64,
     irrigation: Option<IrrigationSpec>,
     /// Its own motion; empty where it is moved from outside.
@@ -152,11 +152,15 @@ impl Tool {
             }
             latest = key.time;
         }
+        let paths = paths_of_tips(&spec.capsules);
         Ok(Self {
             name: spec.name.clone(),
             parts,
-            jaw_stiffness: spec.jaw_stiffness * squared_paths_of_tips(&spec.capsules),
-            path_of_closing: (2.0 * squared_paths_of_tips(&spec.capsules)).sqrt(),
+            jaw_stiffness: spec.jaw_stiffness * squared_paths(paths),
+            path_of_closing: match spec.sharpness > 0.0 {
+                true => 0.0,
+                false => paths.iter().sum(),
+            },
             irrigation: spec.irrigation,
             motion: spec.motion.clone(),
         })
@@ -180,12 +184,9 @@ impl Tool {
         self.irrigation.is_some() && motion.opening_from.max(motion.opening_to) > 0.0
     }
 
-    /// By what its tips come together in the motion from one opening to another \[m\], 0 where they open; both jaws turn alike.
-    pub fn closing(&self, from: f64, to: f64) -> f64 {
-        match from > to {
-            true => (from - to) * self.path_of_closing,
-            false => 0.0,
-        }
+    /// By what its tips come together in a motion \[m\]; 0 where they open.
+    pub fn closing(&self, motion: &ToolMotion) -> f64 {
+        (motion.opening_from - motion.opening_to).max(0.0) * self.path_of_closing
     }
 
     /// The name of a capsule.
@@ -348,10 +349,9 @@ fn is_valid(of: &IrrigationSpec) -> bool {
     is_finite && has_size && of.pressure >= 0.0 && has_direction
 }
 
-/// Σ (l α)² over the jaws \[m²\], with the distance l of the tip from the hinge and the turn α per unit of opening: times the stiffness of a tip it is
-/// that of the opening. Infinite without jaws, which nothing opens.
-fn squared_paths_of_tips(capsules: &[CapsuleSpec]) -> f64 {
-    let of_jaw = |jaw: Jaw| {
+/// l α of both jaws \[m\], with the distance l of the tip from the hinge and the turn α per unit of opening; 0 of one that does not turn.
+fn paths_of_tips(capsules: &[CapsuleSpec]) -> [f64; 2] {
+    [Jaw::Left, Jaw::Right].map(|jaw| {
         let parts = capsules.iter().filter(|part| part.jaw == Some(jaw));
         let paths = parts.filter_map(|part| match part.joint {
             Joint::Hinge(hinge) => {
@@ -361,11 +361,12 @@ fn squared_paths_of_tips(capsules: &[CapsuleSpec]) -> f64 {
             Joint::Fixed => None,
         });
         paths.fold(0.0, f64::max)
-    };
-    let sum: f64 = [Jaw::Left, Jaw::Right]
-        .map(|jaw| of_jaw(jaw) * of_jaw(jaw))
-        .iter()
-        .sum();
+    })
+}
+
+/// The sum of their squares \[m²\]: times the stiffness of a tip it is that of the opening. Infinite without jaws, which nothing opens.
+fn squared_paths(paths: [f64; 2]) -> f64 {
+    let sum: f64 = paths.iter().map(|path| path * path).sum();
     if sum > 0.0 { sum } else { f64::INFINITY }
 }
 

@@ -2,7 +2,7 @@
 
 use microsim_tests::changed_levels::COMPUTATIONS;
 use microsim_tests::sensitivity::{KINDS, Outcome, Runs, read};
-use microsim_tests::statistics::{Group, hedges};
+use microsim_tests::statistics::{Group, hedges, pooled};
 use microsim_tests::{repository, tree};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -19,7 +19,8 @@ const AIM: f64 = 0.05;
 
 /// A level with its runs.
 struct Level {
-    name: String,
+    module: String,
+    level: u32,
     /// In the order of columns, the score first.
     metrics: Vec<String>,
     /// Metrics with a limit, and whether it decides.
@@ -65,14 +66,15 @@ pub fn write() -> Result<(), String> {
             .map_err(|e| format!("{}: {e}", path.display()))?;
         if let Some((metrics, runs)) = read(&path)? {
             levels.push(Level {
-                name: format!("{module}, level {level}"),
+                module: module.to_owned(),
+                level: number,
                 metrics,
                 limits: limits(module, number)?,
                 runs,
             });
         }
     }
-    levels.sort_by(|a, b| a.name.cmp(&b.name));
+    levels.sort_by(|a, b| (&a.module, a.level).cmp(&(&b.module, b.level)));
     let path = results.join("effects.md");
     fs::write(&path, page(&levels)).map_err(|e| format!("{}: {e}", path.display()))
 }
@@ -87,9 +89,12 @@ fn page(levels: &[Level]) -> String {
         .zip(&changes)
         .map(|(level, changes)| summary(level, changes))
         .collect();
+    let modules = levels.chunk_by(|a, b| a.module == b.module);
+    let modules: String = modules.map(summary_of_module).collect();
     let tables: Vec<String> = levels.iter().map(table).collect();
     let all = changes.into_iter().fold(Changes::default(), Changes::and);
     PAGE.replace("{share}", &all.sentence())
+        .replace("{modules}", modules.trim_end())
         .replace("{summary}", summary.trim_end())
         .replace("{tables}", tables.join("\n").trim_end())
 }
@@ -167,9 +172,12 @@ fn shown(group: Option<Group>) -> String {
 }
 
 /// Hedges' g of novices against experts, with its standard error.
-fn effect(level: &Level, computation: usize, metric: &str) -> String {
+fn effect(level: &Level, computation: usize, metric: &str) -> Option<(f64, f64)> {
     let [a, b] = KINDS.map(|kind| group(level, kind, computation, metric));
-    let effect = a.zip(b).and_then(|(a, b)| hedges(&a, &b));
+    a.zip(b).and_then(|(a, b)| hedges(&a, &b))
+}
+
+fn shown_effect(effect: Option<(f64, f64)>) -> String {
     effect.map_or("–".to_owned(), |(g, error)| {
         format!("{g:+.2} ± {error:.2}")
     })
@@ -177,14 +185,34 @@ fn effect(level: &Level, computation: usize, metric: &str) -> String {
 
 /// The row of a level.
 fn summary(level: &Level, changes: &Changes) -> String {
+    let name = format!("{}, level {}", level.module, level.level);
+    row(&name, std::slice::from_ref(level), changes, |at| {
+        effect(level, at, SCORE)
+    })
+}
+
+/// The row of a module: the runs of its levels together, and the mean effect within them.
+fn summary_of_module(levels: &[Level]) -> String {
+    let changes = levels.iter().map(|level| Changes::of(&level.runs));
+    let changes = changes.fold(Changes::default(), Changes::and);
+    row(&levels[0].module, levels, &changes, |at| {
+        let effects = levels.iter().filter_map(|level| effect(level, at, SCORE));
+        pooled(&effects.collect::<Vec<_>>())
+    })
+}
+
+fn row(
+    name: &str,
+    levels: &[Level],
+    changes: &Changes,
+    effect: impl Fn(usize) -> Option<(f64, f64)>,
+) -> String {
     let shipped = |kind: &str| {
-        let of_kind = level
-            .runs
-            .iter()
-            .filter(|((of, _, change), _)| of == kind && change == COMPUTATIONS[0].0);
+        let all = levels.iter().flat_map(|level| &level.runs);
+        let of_kind = all.filter(|((of, _, change), _)| of == kind && change == COMPUTATIONS[0].0);
         of_kind.map(|(_, run)| run).collect::<Vec<&Outcome>>()
     };
-    let mut row = format!("| {} |", level.name);
+    let mut row = format!("| {name} |");
     for kind in KINDS {
         let runs = shipped(kind);
         let count = |verdict: &str| runs.iter().filter(|run| run.verdict == verdict).count();
@@ -197,7 +225,7 @@ fn summary(level: &Level, changes: &Changes) -> String {
         );
     }
     for at in 0..COMPUTATIONS.len() {
-        let _ = write!(row, " {} |", effect(level, at, SCORE));
+        let _ = write!(row, " {} |", shown_effect(effect(at)));
     }
     for counts in changes.0 {
         let _ = write!(row, " {} |", Changes::shown(counts));
@@ -208,8 +236,8 @@ fn summary(level: &Level, changes: &Changes) -> String {
 /// The section of a level.
 fn table(level: &Level) -> String {
     let mut out = format!(
-        "## {}\n\n| metric | limited | experts: mean ± SD (n) | novices: mean ± SD (n) |",
-        level.name
+        "## {}, level {}\n\n| metric | limited | experts: mean ± SD (n) | novices: mean ± SD (n) |",
+        level.module, level.level
     );
     for (name, _) in COMPUTATIONS {
         let _ = write!(out, " g ± SE, {name} |");
@@ -224,7 +252,7 @@ fn table(level: &Level) -> String {
         let [a, b] = KINDS.map(|kind| shown(group(level, kind, 0, metric)));
         let _ = write!(out, "| {metric} | {limited} | {a} | {b} |");
         for at in 0..COMPUTATIONS.len() {
-            let _ = write!(out, " {} |", effect(level, at, metric));
+            let _ = write!(out, " {} |", shown_effect(effect(level, at, metric)));
         }
         out.push('\n');
     }
@@ -246,7 +274,8 @@ mod tests {
             (((*kind).to_owned(), *seed, change), outcome)
         };
         Level {
-            name: "module, level 1".to_owned(),
+            module: "module".to_owned(),
+            level: 1,
             metrics: vec![SCORE.to_owned()],
             limits: BTreeMap::new(),
             runs: of.iter().map(run).collect(),
@@ -257,7 +286,7 @@ mod tests {
     /// another, and the novice that was not judged has no score.
     #[test]
     fn effects_and_verdicts_that_change() {
-        let level = level(&[
+        let runs = [
             ("expert", 1, 0, "passed", 7.0),
             ("expert", 2, 0, "passed", 9.0),
             ("novice", 1, 0, "failed", 1.0),
@@ -266,18 +295,28 @@ mod tests {
             ("expert", 2, 1, "passed", 9.0),
             ("novice", 1, 1, "failed", 1.0),
             ("novice", 2, 1, "not-judged", 9.0),
-        ]);
+        ];
+        let levels = [1, 2].map(|number| Level {
+            level: number,
+            ..level(&runs)
+        });
+        let level = &levels[0];
         let changes = Changes::of(&level.runs);
         assert_eq!(changes, Changes([[1, 4], [0, 0]]));
         assert_eq!(
-            summary(&level, &changes),
+            summary(level, &changes),
             "| module, level 1 | 2, 0, 0 | 0, 2, 0 | -2.42 ± 1.03 | – | – | 1 of 4 (25 %) | – |\n"
+        );
+        // Of two levels alike the same effect, with an error that is smaller by √2.
+        assert_eq!(
+            summary_of_module(&levels),
+            "| module | 4, 0, 0 | 0, 4, 0 | -2.42 ± 0.73 | – | – | 2 of 8 (25 %) | – |\n"
         );
         let both = changes.and(Changes([[0, 36], [1, 40]]));
         assert_eq!(both, Changes([[1, 40], [1, 40]]));
         assert!(both.sentence().ends_with("is met."), "{}", both.sentence());
         assert!(changes.sentence().ends_with("is missed."));
-        let page = table(&level);
+        let page = table(level);
         let row = "| score |  | 8.0000 ± 1.4142 (2) | 2.0000 ± 1.4142 (2) | -2.42 ± 1.03 | – | – |";
         assert!(page.contains(row), "{page}");
     }

@@ -199,10 +199,15 @@ fn jaws_that_twitch_hold_what_they_held() {
     let rest = [[held; 2]; 40];
     let (before, _) = follow(&rest);
     let (_, substeps) = follow(&[[held, 0.0]]);
-    let steps = 2.0 * LENGTH * TURN * held / (0.25 * edge);
-    assert_eq!(substeps, steps.ceil() as u32);
+    let steps = |by: f64| (2.0 * LENGTH * TURN * by / (0.25 * edge)).ceil() as u32;
+    assert_eq!(substeps, steps(held));
     follow(&[[0.0, held]]);
     let (after, _) = follow(&rest);
+    // Nor where they have let it go before they close, with fewer steps as long as they are away from it.
+    follow(&[[held, 0.5]]);
+    let (_, substeps) = follow(&[[0.5, 0.0]]);
+    assert!((2..=steps(0.5)).contains(&substeps), "{substeps}");
+    follow(&[[0.0, held]]);
     assert!(before > 1e-3, "{before} N");
     assert!((after / before - 1.0).abs() < 0.1, "{before} N, {after} N");
 }

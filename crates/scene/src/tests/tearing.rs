@@ -75,7 +75,9 @@ fn budget_of_an_iteration(spec: &SceneSpec) -> WorkBudget {
         ..spec.clone()
     };
     let report = Scene::new(&alone).unwrap().tick(&[], EXACT, 1, &Serial);
-    budget(2.0 * report.unwrap().solver.work)
+    let solver = report.unwrap().solver;
+    assert_eq!(solver.iterations, 1);
+    budget(2.0 * solver.work)
 }
 
 /// What is left: two halves with their 8 nodes each, so that no face of a whole element was opened.

@@ -1,6 +1,8 @@
 //! Implicit methods and statics.
 
 use super::*;
+use crate::newton::NewtonOptions;
+use crate::solver_implicit::{DistortionOptions, ImplicitScheme, SolverImplicit};
 use crate::testing::block_mesh;
 
 pub fn implicit() -> [(Method, f64); 3] {
@@ -262,6 +264,44 @@ fn an_old_overlap_of_a_clamped_block_is_undone_in_peace() {
         );
         let end = world.state.energies(&world.model).total();
         assert!(most < 1.3 * end, "{method:?}: {most} J, at rest {end} J");
+    }
+}
+
+/// Nodes go no further than they may for what is undone, and those that go less far go as far as without that bound.
+#[test]
+fn undone_overlaps_move_no_node_far() {
+    let mesh = block_mesh([3e-3; 3], [3; 3]);
+    let clamped: Vec<bool> = mesh.positions.iter().map(|p| p.z > 1.4e-3).collect();
+    let moved = |longest: f64| {
+        let model = build_model(&mesh, &[(0, soft())], &clamped, 200.0, Vec::new()).unwrap();
+        let edge = model.mean_edge_length();
+        let mut options = NewtonOptions::default();
+        options.contact_solvers.overlap.longest = longest;
+        let mut world = World::new(model, Method::ImplicitEuler(one()));
+        world.solver = Box::new(SolverImplicit::with_options(
+            &world.model,
+            ImplicitScheme::BackwardEuler,
+            one(),
+            &options,
+            DistortionOptions::default(),
+        ));
+        world.reach = 0.3 * edge;
+        world.planes = vec![Plane::floor(-1e-3)];
+        world.step(8e-3).unwrap();
+        let moved = world.state.positions.iter().zip(&mesh.positions);
+        let moved: Vec<f64> = moved.map(|(x, rest)| (x - rest).norm() / edge).collect();
+        moved
+    };
+    let free = moved(1.0);
+    let most = free.iter().fold(0.0f64, |most, of| most.max(*of));
+    assert!(most > 0.01 && most < 1.0, "{most}");
+    let bound = 0.5 * most;
+    for (bounded, free) in moved(bound).iter().zip(&free) {
+        // Positions of millimetres are rounded at 1e-16 of an edge.
+        assert!(
+            (bounded - free.min(bound)).abs() < 1e-12,
+            "{bounded} {free}"
+        );
     }
 }
 

@@ -177,9 +177,9 @@ impl NewtonSolver {
         self.factorise(&problem, Tangent::Positive)
             .and_then(|()| self.solve_contacts(fixed, tolerances, most_operations))
             .map_err(|failure| self.why_not_positive(failure))?;
-        let part = (longest / self.reach()).min(1.0);
+        let longest = longest * self.edge;
         for (x, d) in self.trial.positions.iter_mut().zip(&self.direction) {
-            *x += d * part;
+            *x += d.cap_magnitude(longest);
         }
         Ok(())
     }

@@ -79,7 +79,7 @@ impl NewtonSolver {
         let may_end_early = !newton.must_converge && equation.rate > 0.0;
         // Where hardly any force is left, the residual relative to them is no measure.
         let least_scale = match may_end_early {
-            true => options.contact.residual.force,
+            true => options.least_scale,
             false => 0.0,
         };
         while report.iterations < most || self.needs_more(most, &report, may_end_early) {
@@ -136,7 +136,7 @@ impl NewtonSolver {
                 return Ok(report);
             }
             self.retains_matrix = full_early && self.is_short(options.contact.short);
-            // What means nothing yet goes on as long as it falls at all.
+            // What means nothing yet goes on as long as it falls noticeably.
             let decrease = match may_end_early && self.means_nothing(&report) {
                 true => options.slow_decrease,
                 false => options.decrease,

@@ -9,11 +9,11 @@ use microsim_contact_solver::ContactOptions;
 /// How far Newton's method iterates in a step: number of iterations, tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newton {
-    /// Most iterations per equation, at least 1; with contact there may be [a few more](NewtonContactOptions::more_iterations). One is the linearly implicit
-    /// variant of a method.
+    /// Most iterations per equation, at least 1; there may be [a few more](NewtonContactOptions::more_iterations) where bodies overlap, and in early-terminated steps of time whose
+    /// forces would mean nothing. One is the linearly implicit variant of a method.
     pub iterations: u32,
-    /// The residual at which an equation is solved, relative to the forces in it. One that is no more than the rounding of
-    /// positions counts as 0.
+    /// The residual at which an equation is solved, relative to the forces in it, in early-terminated steps of time to [a tenth of a millinewton](NewtonOptions::least_scale) at least. One that is no
+    /// more than the rounding of positions counts as 0.
     pub tolerance: f64,
     /// Whether a step that ends above the tolerance fails – above 100 times the tolerance where there is contact. If not, it is an
     /// early-terminated step: every iteration has descended the potential, or part of that path where surfaces have turned.
@@ -33,10 +33,12 @@ pub struct NewtonOptions {
     /// scale, and may be many times those of a load that is to move it.
     pub rest_tolerance: f64,
     /// The residual has fallen where it is below this ratio of what it was; in 0.1..0.9. The exact tangent is tried again then, and an
-    /// iteration without it, of the residual itself as well, counts as stagnation.
+    /// iteration without it counts as stagnation; in an early-terminated step of time one in which neither the residual relative to the forces nor the one in newtons has fallen.
     pub decrease: f64,
     /// That ratio of an early-terminated step whose forces would mean nothing yet; in `decrease`..1. Measured.
     pub slow_decrease: f64,
+    /// An early-terminated step of time is solved, too, where the residual is below its tolerance times this force \[N\], however small all forces are: a body at rest takes one iteration.
+    pub least_scale: f64,
     /// Iterations in a row without such a decrease that end an early-terminated step; at least 1. More cost time and gain no digits.
     /// Measured.
     pub stagnation: u32,
@@ -106,8 +108,7 @@ pub struct NewtonContactOptions {
     /// turn in large steps. Measured.
     pub overlap: f64,
     /// In an early-terminated step of time a larger residual at the end does, too: its forces would mean nothing, and to begin again with
-    /// shorter steps takes more. Where tools tremble it is what the first iterations leave of a surface that has turned. Times
-    /// the tolerance of the method its force is a residual at which such a step is solved however small all forces are: a body at rest takes one iteration.
+    /// shorter steps takes more. Where tools tremble it is what the first iterations leave of a surface that has turned.
     pub residual: ResidualBounds,
     /// So many iterations more.
     pub more_iterations: u32,
@@ -150,6 +151,7 @@ impl Default for NewtonOptions {
             rest_tolerance: 1e-6,
             decrease: 0.5,
             slow_decrease: 0.9,
+            least_scale: 1e-4,
             stagnation: 3,
             stagnated_tolerance: 100.0,
             line_search: LineSearchOptions {

@@ -52,7 +52,7 @@ fn steps_that_overshoot_are_shortened() {
             options.line_search.overshoot = overshoot;
             options.stagnation = 100;
             // However small all forces are.
-            options.contact.residual.force = 0.0;
+            options.least_scale = 0.0;
             let mut solver = SolverImplicit::with_options(
                 &model,
                 SCHEMES[0],
@@ -79,4 +79,34 @@ fn steps_that_overshoot_are_shortened() {
         assert!(apart.fold(0.0, f64::max) < 1e-11);
     }
     assert!(5 * iterations[0] < 4 * iterations[1], "{iterations:?}");
+}
+
+/// Nodes start up to 1 µm from rest. Where 1 N times the tolerance of 1e-3 is a force that does not matter one iteration solves the step; more are made where the residual has to fall relative to
+/// what forces there are.
+#[test]
+fn a_body_nearly_at_rest_takes_one_iteration() {
+    let (model, lower) = joined();
+    let newton = Newton {
+        iterations: 10,
+        tolerance: 1e-3,
+        must_converge: false,
+    };
+    let mut next = numbers();
+    let mut start = State::at_rest(&model);
+    for position in &mut start.positions[lower..] {
+        *position += Vector3::from_fn(|_, _| 1e-6 * next());
+    }
+    let iterations = |least_scale: f64| {
+        let options = NewtonOptions {
+            least_scale,
+            ..NewtonOptions::default()
+        };
+        let none = DistortionOptions::default();
+        let mut solver = SolverImplicit::with_options(&model, SCHEMES[0], newton, &options, none);
+        let mut state = start.clone();
+        let report = solver.step(&model, &mut state, &Control::default(), &[], 16e-3, &Serial);
+        report.unwrap().iterations
+    };
+    assert_eq!(iterations(1.0), 1);
+    assert!(iterations(0.0) > 1, "{}", iterations(0.0));
 }
