@@ -176,7 +176,7 @@ fn players_see_where_the_tissue_lies() {
     let tube = half("diagonal-cut");
     let within = |half: f64| (0.56 * libm::cos(0.1 * PI) - 1e-9..=0.56 + 1e-9).contains(&half);
     assert!(
-        within(tube.y) && within(tube.z) && (tube.x - 1.7).abs() < 1e-9,
+        within(tube.y) && within(tube.z) && (tube.x - 2.0).abs() < 1e-9,
         "{tube}"
     );
 }
