@@ -28,7 +28,7 @@ const SAMPLE: [(&str, &str, Profile, Today); 18] = [
     // Held for 17 ticks while tries with tools that stand or touch nothing were cut short by what was reserved for tries before them.
     ("trim-blunt", "2", Profile::Violent, MET),
     ("trim-blunt", "3", Profile::Clumsy, MET),
-    ("diagonal-cut", "2", Profile::Dragging, WITH_BLADES),
+    ("diagonal-cut", "2", Profile::Dragging, MET),
     ("dilatation", "1", Profile::Snipping, MET),
     (
         "push-strip",
@@ -75,12 +75,6 @@ const IN_ONE_STEP: Today = Today {
 /// Thrusts push with all of the force that a hand has, `hand_force` of levels, 1 N, and with what they set in motion: 1.05 N at most. The bound is what was seen, not derived: 12 of 165 ticks in contact.
 const WITH_ALL_FORCE: Today = Today {
     too_strong: 12,
-    ..MET
-};
-/// Blades that shut on the wall within a tick press it for one of its steps, which is shorter than the tick, until they cut. The bound is what was seen, not derived: 3.0 N in 1 of 84 ticks in contact, whose mean is
-/// below the 2 N from which on forces mean nothing.
-const WITH_BLADES: Today = Today {
-    too_strong: 1,
     ..MET
 };
 /// Fraction of ticks over their budget. Wanted: 0.001.
