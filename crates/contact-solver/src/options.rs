@@ -104,7 +104,7 @@ pub struct OverlapOptions {
     /// Most in a step \[mean edge length\]; in 0.05..0.5 (NUMERICS 2.7).
     pub most: f64,
     /// How far a node goes at most in an implicit step for it \[mean edge length\], beyond what free components go as wholes; in 0.5..2. What lies askew in slivers of a cut would take many times what is to be
-    /// undone, and more strain than a hand could bring; the rest is left to the steps that follow. Measured with trembling hands that cut obliquely: 19 mm and 6 J without it.
+    /// undone, and more strain than a hand could bring; the rest is left to the steps that follow. Seen with trembling hands that cut obliquely.
     pub longest: f64,
 }
 

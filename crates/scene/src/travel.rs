@@ -13,7 +13,7 @@ const TRAVEL_EXPLICIT: f64 = 0.25;
 const TRAVEL_IMPLICIT: f64 = 2.0;
 
 /// In an implicit step jaws beside tissue close by at most so many times its mean edge length, but those that cut it. What is between them is turned inside out where their distance
-/// vanishes in one, and does not turn back when they open. Measured with forceps that twitch: at 0.57 one hold in 16 is lost, here none, and 0.1 is no better.
+/// vanishes in one, and does not turn back when they open. Measured with forceps that twitch at different times (`tests/tests/outliers.rs`): without it a hold is lost.
 const CLOSING_IMPLICIT: f64 = 0.25;
 
 /// A tool that needs more sub-steps than this has jumped.
