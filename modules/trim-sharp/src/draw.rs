@@ -3,8 +3,9 @@
 use microsim_sdk::message::ToolState;
 use serde::{Deserialize, Serialize};
 
-/// Time over which a speed is the mean \[s\]: half a period of 10 Hz, above which no motion of a hand is meant.
-const WINDOW: f64 = 0.05;
+/// Time over which a speed is the mean \[s\]: a period of 10 Hz, the middle of the band of tremor (8 to 12 Hz, Riviere 1997), of which little is left in such a mean. Over half a period tremor of
+/// 133 µm alone makes more than what these levels admit.
+const WINDOW: f64 = 0.1;
 
 /// The motion of one tool since it has gripped the vessel without interruption.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,7 +50,7 @@ mod tests {
     use super::*;
     use microsim_sdk::message::{Pose, ToolStatus};
 
-    /// 3 mm/s for a second, 20 mm/s for a tick, and 50 mm/s without the vessel: the peak is that of a window of four ticks of 16 ms, of which one is fast.
+    /// 3 mm/s for a second, 20 mm/s for a tick, and 50 mm/s without the vessel: the peak is that of a window of seven ticks of 16 ms, of which one is fast.
     #[test]
     fn a_jerk_counts_over_the_window_and_only_with_the_vessel() {
         let mut speed = DrawSpeed::default();
@@ -73,7 +74,7 @@ mod tests {
             };
             speed.update(f64::from(step) * tick, &[(Some(&state), holds)]);
         }
-        let expected = (3.0 * 3e-3 + 20e-3) / 4.0;
+        let expected = (6.0 * 3e-3 + 20e-3) / 7.0;
         assert!((speed.peak - expected).abs() < 1e-12, "{}", speed.peak);
     }
 }

@@ -13,7 +13,8 @@ const OPEN: f64 = 0.25;
 const GRIP: f64 = 0.02;
 
 /// How far they close on a tongue to pull it hard, and to crush it.
-const FIRM: f64 = 0.016;
+const FIRM: f64 = 0.012;
+const FIRM_ON_VEIN: f64 = 0.007;
 const CRUSH: f64 = 0.002;
 
 /// How far the scissors are open around a tongue, of 1.
@@ -320,13 +321,13 @@ impl Plan {
         write(hands, "fail-media-cut");
     }
 
-    fn pulled_too_hard(&self, far: [f64; 2]) {
+    fn pulled_too_hard(&self, far: [f64; 2], closed: f64) {
         let doc = "Draws much too far, goes back, and trims as it should be.";
         let hands = self.after(doc, |bite, hands| {
             let [x, out] = bite.grip;
             let pulled = Bite {
                 grip: [x + 0.08, out],
-                closed: FIRM.min(bite.closed),
+                closed,
                 draw: far,
                 seconds: 2.5,
                 ..*bite
@@ -381,7 +382,7 @@ fn main() {
     first.pass();
     first.media_gripped();
     first.media_cut();
-    first.pulled_too_hard([-1.0, 1.2]);
+    first.pulled_too_hard([-1.0, 1.2], FIRM);
     first.crushed();
     first.overhang_left();
 
@@ -389,7 +390,7 @@ fn main() {
     second.pass();
     second.too_fast();
     second.media_cut();
-    second.pulled_too_hard([-1.0, 1.2]);
+    second.pulled_too_hard([-1.0, 1.2], FIRM);
     let doc = "Draws it by half as far before it cuts.";
     let hands = second.played(doc, |bite| {
         bite.draw = [-0.22, 0.28];
@@ -443,6 +444,6 @@ fn main() {
     vein.back_too_fast();
     vein.media_gripped();
     vein.media_cut();
-    vein.pulled_too_hard([-0.8, 0.9]);
+    vein.pulled_too_hard([-0.8, 0.9], FIRM_ON_VEIN);
     vein.crushed();
 }
