@@ -6,6 +6,7 @@ use microsim_tests::peers::{Peer, or_skipped};
 use microsim_tests::stations::Station;
 use microsim_tests::{command, finish, microsim};
 use serde_json::Value;
+use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -125,12 +126,15 @@ fn play(display: &Display, data: &Path) -> (Value, bool) {
     let gone = |shot: &Shot| button(shot).is_none().then_some(());
     display.wait_for("the training", Duration::from_secs(30), gone);
 
-    // As high as the tissue: 2 mm up are eight steps of a hundredth of the field; that it rose is seen.
-    let upper = |display: &Display| {
-        let blob = display.shot().find(FIELD, is_scissors);
-        some(blob, 100).expect("the scissors are in the field").top[1]
+    // As high as the tissue: 2 mm up are eight steps of a hundredth of the field; that it rose is seen. A picture may still be that of the introduction, in a frame of their blue:
+    // they are where two in a row show them.
+    let upper = |shot: &Shot| some(shot.find(FIELD, is_scissors), 100).map(|blob| blob.top[1]);
+    let last = Cell::new(f64::NAN);
+    let at_rest = |shot: &Shot| {
+        let now = upper(shot).filter(|_| button(shot).is_none())?;
+        (last.replace(now) == now).then_some(now)
     };
-    let start = upper(display);
+    let (_, start) = display.wait_for("the scissors at rest", Duration::from_secs(30), at_rest);
     for _ in 0..8 {
         display.key("w");
         std::thread::sleep(Duration::from_millis(80));
@@ -143,8 +147,8 @@ fn play(display: &Display, data: &Path) -> (Value, bool) {
     // Beneath the mark, then forward until the tips are 1.3 mm behind the middle of the tissue. Two blades are seen, the upper one further up by half of what they are open: 20° over
     // 8 mm from the hinge, seen under the tilt.
     let rise = 2.0 * 0.766 * SCALE;
-    let risen = start - upper(display);
-    assert!(risen > 0.5 * rise, "{risen} of {rise} pixels");
+    let has_risen = |shot: &Shot| upper(shot).filter(|now| start - now > 0.5 * rise);
+    display.wait_for("that the scissors rise", Duration::from_secs(10), has_risen);
     keep(display, "window-turned");
     let tips = |display: &Display| {
         let shot = display.shot();
