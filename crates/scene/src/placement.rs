@@ -10,8 +10,7 @@
 //! - **Tools do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both yield by half; jaws
 //!   open where that is how they yield.
 //! - **What cannot be computed is not forced.** A tick in which a body diverges is computed again with the tools where they were, and if that diverges too with
-//!   tools that touch nothing, where the bodies go only so large a part of the motion that was found as none diverges in. From then on, and after a tick whose forces mean nothing, they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds. From the first of such
-//!   ticks those that cut return to where they were: tissue is not where it would be, and what is cut does not heal.
+//!   tools that touch nothing, where the bodies go only so large a part of the motion that was found as none diverges in. From then on, and after a tick whose forces mean nothing, they go only a fraction of what is left to their targets in a tick, which doubles whenever a tick succeeds.
 //!   Only methods with inertia do so; a quasi-static tick that diverges is left at its start.
 //! - **What does not fit in the work of a tick waits.** A tool that is too fast for it makes only a part of its motion, and one whose steps take more than was foreseen
 //!   stops in it ([`budget`](crate::budget)); the next tick goes on from there.
@@ -298,15 +297,6 @@ impl Course {
                 one.now.stiffness = secant.clamp(least, STIFFEST * jaws);
             }
             one.now.moment = moment;
-        }
-    }
-
-    /// Returns a tool to where it was at the start of the tick.
-    pub fn return_to_start(&mut self, tool: usize) {
-        let of_tool = |one: &&mut PlacedTool| one.motion.tool == tool;
-        if let Some(one) = self.tools.iter_mut().find(of_tool) {
-            one.now = one.start;
-            (one.is_straight, one.is_whole) = (false, false);
         }
     }
 

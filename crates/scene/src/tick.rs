@@ -47,7 +47,7 @@ impl Scene {
     /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help it is computed with the tools where they were, and else with tools that touch nothing, of which the bodies go as large a part, halved and halved again, as none diverges in; when there is no such part either the
     /// scene stays at the start of the tick, where after implicit steps the bodies are at rest that diverged, without shreds that ruptured meanwhile, and the error describes what happened; the next tick may go on from there. A tick whose forces
     /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, four times the iterations and, where the interior-point method has found no forces, the augmented Lagrangian method of contact, and not [`valid`](TickReport::valid) if
-    /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple; where there is inertia tools that cut return from the first of them to where they were, and all make a quarter of their motions in the next tick, so that less has to be computed, twice as much after each valid one, and ticks are repeated again where it is all.
+    /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple; where there is inertia tools make a quarter of their motions in the next tick, so that less has to be computed, twice as much after each valid one, and ticks are repeated again where it is all.
     ///
     /// ```
     /// # use microsim_mesh::{Block, CellSplit};
@@ -220,11 +220,6 @@ impl Scene {
                     self.state.doubtful = !valid;
                     self.spend(tick_s, budget.spent);
                     budget.is_exceeded |= solver.cut_short > 0;
-                    // Once, as what cannot be computed where tools are would else hold them there.
-                    if matches!(this, Try::Follow(_)) && !valid && eases && !start.doubtful {
-                        let cuts = self.cuts.iter();
-                        cuts.for_each(|cut| course.return_to_start(cut.tool));
-                    }
                     let placements = &mut self.state.placements;
                     course.store(placements);
                     // What is too much for one tick is divided among several.

@@ -265,39 +265,3 @@ fn a_tick_whose_forces_mean_nothing_is_repeated_once() {
     assert_eq!((report.valid, report.repetitions), (false, 0));
     assert_eq!(once.state.placements.pace, 1.0);
 }
-
-/// From the first tick without meaning a tool that cuts returns to where it was, one that does not stays where it came to, and from the next one, of which it makes a quarter, both stay.
-#[test]
-fn a_tool_that_cuts_returns_once_from_a_tick_without_meaning() {
-    let (start, end) = (-0.5e-3, 14e-3);
-    let motion = |from: f64, to: f64| ToolMotion {
-        tool: 0,
-        from: pose(from),
-        to: pose(to),
-        opening_from: 0.0,
-        opening_to: 0.0,
-        active: true,
-    };
-    for cuts in [true, false] {
-        let mut spec = SceneSpec {
-            method: Method::ImplicitEuler(POOR),
-            ..strip([20, 4, 1], true)
-        };
-        let blade = &mut spec.tools[0];
-        blade.sharpness = 0.5;
-        (blade.capsules[0].lonor, blade.capsules[0].edge) = (true, Some([0.0, 0.0, 1.0]));
-        spec.cuts = vec![CutSpec::new("strip", "probe"); usize::from(cuts)];
-        let mut scene = Scene::new(&spec).unwrap();
-        let place = |scene: &Scene| scene.state.placements.tools[0].unwrap().pose.position;
-        let report = scene.tick(&[motion(start, end)], 0.05, 1, &Serial).unwrap();
-        let first = if cuts { start } else { end };
-        assert!(!report.valid, "{:?}", report.solver);
-        assert_eq!(place(&scene), pose(first).position);
-        // A quarter of what is left.
-        let far = first + 4.0 * (end - start);
-        let report = scene.tick(&[motion(end, far)], 0.05, 1, &Serial).unwrap();
-        let second = first + (end - start);
-        assert!(!report.valid, "{:?}", report.solver);
-        assert!((place(&scene) - pose(second).position).norm() < 1e-15);
-    }
-}
