@@ -131,7 +131,8 @@ fn play(display: &Display, data: &Path) -> (Value, bool) {
     let upper = |shot: &Shot| some(shot.find(FIELD, is_scissors), 100).map(|blob| blob.top[1]);
     let last = Cell::new(f64::NAN);
     let at_rest = |shot: &Shot| {
-        let now = upper(shot).filter(|_| button(shot).is_none())?;
+        let now = upper(shot).filter(|_| button(shot).is_none());
+        let now = now.unwrap_or(f64::NAN);
         (last.replace(now) == now).then_some(now)
     };
     let (_, start) = display.wait_for("the scissors at rest", Duration::from_secs(30), at_rest);
