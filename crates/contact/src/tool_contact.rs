@@ -152,8 +152,7 @@ pub(crate) fn find(
         }
         for &triangle in &features.triangles {
             if search.may_touch_face(triangle, distances) {
-                search.face(triangle, 0);
-                search.face(triangle, 1);
+                search.faces(triangle);
             }
         }
         search.leave();
@@ -417,14 +416,26 @@ impl Search<'_> {
         }
     }
 
-    /// Adds the point of the inside of a face with an end of the axis, if there is one.
-    fn face(&mut self, triangle: u32, end: u32) {
+    /// Adds the points of the inside of a face with the ends of the axis, if there are any.
+    fn faces(&mut self, triangle: u32) {
+        let corners = self.surface.corners(self.frame.now, triangle);
+        if let Some(normal) = triangle_normal(&corners) {
+            self.face(triangle, 0, &corners, &normal);
+            self.face(triangle, 1, &corners, &normal);
+        }
+    }
+
+    /// Adds the point of the inside of a face with its corners and normal now and of an end of the axis, if there is one.
+    fn face(
+        &mut self,
+        triangle: u32,
+        end: u32,
+        corners: &[Vector3<f64>; 3],
+        normal: &Vector3<f64>,
+    ) {
         let (surface, frame) = (self.surface, self.frame);
         let (from, to) = self.swept.end(end);
-        let corners = surface.corners(frame.now, triangle);
-        let Some(normal) = triangle_normal(&corners) else {
-            return;
-        };
+        let (corners, normal) = (*corners, *normal);
         let height = (to - corners[0]).dot(&normal);
         let radius = self.swept.end.radius;
         if height - radius >= frame.reach {

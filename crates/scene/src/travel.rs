@@ -5,6 +5,7 @@ use crate::pairs::{Pair, PairPartner};
 use crate::scene::Scene;
 use crate::tool::ToolMotion;
 use microsim_geometry::{Aabb, Capsule, closest_segment_triangle};
+use microsim_tissue::State;
 use nalgebra::Vector3;
 
 /// In one step a part of a tool moves at most so many times its radius or the mean edge length, whichever is less: explicit methods
@@ -19,6 +20,15 @@ const CLOSING_IMPLICIT: f64 = 0.25;
 /// A tool that needs more sub-steps than this has jumped.
 const MAX_SUBSTEPS: u32 = 256;
 
+/// Where a body may be in a tick.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    /// The box around it at the start.
+    bounds: Aabb,
+    /// How far it goes by its own speed, at most \[m\].
+    drift: f64,
+}
+
 impl Scene {
     /// Number of sub-steps for the fastest tool near a body that it may touch. A tool that needs too many is placed at the end of its
     /// motion, and listed.
@@ -29,10 +39,11 @@ impl Scene {
         steps: u32,
     ) -> (f64, Vec<usize>) {
         let (mut most, mut jumped) = (1.0f64, Vec::new());
+        let reaches = self.reaches(tick_s);
         for motion in motions {
             let mut needed = 1.0f64;
             for body in self.touched_by(motion.tool) {
-                let of_body = self.steps_near(motion, body, tick_s);
+                let of_body = self.steps_near(motion, body, &reaches[body]);
                 needed = needed.max(of_body / f64::from(steps));
             }
             if needed > f64::from(MAX_SUBSTEPS) {
@@ -59,11 +70,12 @@ impl Scene {
             return Division::even(parts);
         }
         let mut near = vec![false; parts as usize];
+        let reaches = self.reaches(tick_s);
         for motion in motions {
             for body in self.touched_by(motion.tool) {
                 // What is slow enough for the whole step divides none.
-                if self.steps_near(motion, body, tick_s) > f64::from(steps) {
-                    self.mark_near(motion, body, tick_s, &mut near);
+                if self.steps_near(motion, body, &reaches[body]) > f64::from(steps) {
+                    self.mark_near(motion, body, &reaches[body], &mut near);
                 }
             }
         }
@@ -71,11 +83,11 @@ impl Scene {
     }
 
     /// Number of steps for the motion of a tool near a body, any fraction; 0 where it does not come near it.
-    fn steps_near(&self, motion: &ToolMotion, body: usize, tick_s: f64) -> f64 {
+    fn steps_near(&self, motion: &ToolMotion, body: usize, of: &Reach) -> f64 {
         let tool = &self.tools[motion.tool];
         let edge = self.bodies[body].model.mean_edge_length();
         // Far from the body a tool may be as fast as it likes.
-        let reach = self.bounds(body).inflated(edge + self.drift(body, tick_s));
+        let reach = of.bounds.inflated(edge + of.drift);
         if self.method.is_explicit() {
             return tool.steps_within(motion, &reach, edge, TRAVEL_EXPLICIT);
         }
@@ -86,11 +98,10 @@ impl Scene {
     }
 
     /// Marks the even parts of a tick in which the tool may come to the surface of a body.
-    fn mark_near(&self, motion: &ToolMotion, body: usize, tick_s: f64, near: &mut [bool]) {
+    fn mark_near(&self, motion: &ToolMotion, body: usize, of: &Reach, near: &mut [bool]) {
         let tool = &self.tools[motion.tool];
         let positions = &self.state.bodies[body].positions;
-        let bounds = self.bounds(body);
-        let drift = self.drift(body, tick_s);
+        let Reach { bounds, drift } = *of;
         let parts = near.len() as f64;
         let at = |part: usize| tool.capsules_at(motion, part as f64 / parts);
         let mut start: Vec<Capsule> = at(0).collect();
@@ -125,14 +136,16 @@ impl Scene {
         self.pairs.iter().filter(of_tool).map(|pair| pair.body)
     }
 
-    /// The box around a body.
-    fn bounds(&self, body: usize) -> Aabb {
-        Aabb::of(&self.state.bodies[body].positions)
-    }
-
-    /// How far a body goes in a tick by its own speed, at most \[m\].
-    fn drift(&self, body: usize, tick_s: f64) -> f64 {
-        let velocities = self.state.bodies[body].velocities.iter();
-        velocities.map(Vector3::norm).fold(0.0, f64::max) * tick_s
+    /// Where all bodies may be in a tick.
+    fn reaches(&self, tick_s: f64) -> Vec<Reach> {
+        let bodies = self.state.bodies.iter();
+        let of_body = |state: &State| {
+            let squares = state.velocities.iter().map(Vector3::norm_squared);
+            Reach {
+                bounds: Aabb::of(&state.positions),
+                drift: squares.fold(0.0, f64::max).sqrt() * tick_s,
+            }
+        };
+        bodies.map(of_body).collect()
     }
 }

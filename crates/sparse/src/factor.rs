@@ -212,6 +212,7 @@ impl<T: Real> Factor<T> {
             }
             self.solve_half(half);
         }
+        let length = gather_reached(&mut halves, length);
         compliance.clear();
         compliance.resize(rows.len() * rows.len(), 0.0);
         for (i, a) in halves.chunks_exact(length).enumerate() {
@@ -274,6 +275,25 @@ impl<T: Real> Factor<T> {
             }
         }
     }
+}
+
+/// Moves the places at which any of the right-hand sides, of `length` octets each, is not zero to the front of each side; returns how many they are, at least 1. The others add nothing to a product of two
+/// sides: contacts in one region reach a part of the fronts.
+fn gather_reached<T: Real>(halves: &mut Vec<Octet<T>>, length: usize) -> usize {
+    let sides = halves.len() / length.max(1);
+    let is_reached = |place: &usize| {
+        let mut of_all = halves[*place..].iter().step_by(length);
+        of_all.any(|octet| *octet != Octet::ZERO)
+    };
+    let reached: Vec<usize> = (0..length.min(halves.len())).filter(is_reached).collect();
+    let shortened = reached.len().max(1);
+    for side in 0..sides {
+        for (k, place) in reached.iter().enumerate() {
+            halves[side * shortened + k] = halves[side * length + place];
+        }
+    }
+    halves.truncate(sides * shortened);
+    shortened
 }
 
 /// Copies numbers into octets; the last octet is filled up with zeros.

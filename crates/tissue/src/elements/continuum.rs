@@ -103,10 +103,11 @@ impl<L: Law, D: Domains> ContinuumSet<L, D> {
         let count = self.domains.count();
         let mut tangents = [[Lanes::splat(0.0); 9]; 9];
         let mut corners = Vec::new();
+        let mut matrices = FourMatrices::zero();
         for first in (0..count).step_by(LANES) {
             let four = first..count.min(first + LANES);
             if let Some(shapes) = self.domains.tetrahedra_of_four(first) {
-                let mut matrices = FourMatrices::zero();
+                matrices.clear();
                 of.add_matrices(first, &shapes, &mut matrices);
                 matrices.complete();
                 for (lane, element) in four.enumerate() {

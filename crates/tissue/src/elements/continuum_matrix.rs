@@ -145,6 +145,14 @@ impl FourMatrices {
         Self([[[Lanes::splat(0.0); 3]; 3]; PAIRS])
     }
 
+    /// Sets all entries to zero in place: [`zero`](Self::zero) would be copied.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        for entry in self.0.as_flattened_mut().as_flattened_mut() {
+            *entry = Lanes::splat(0.0);
+        }
+    }
+
     /// Adds those of the positive tangents of a law, with constants of each.
     #[inline(always)]
     pub fn add_positive<L: Law>(
