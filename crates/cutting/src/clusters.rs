@@ -192,6 +192,15 @@ impl Clusters {
         }
     }
 
+    /// An element has got one of the nodes of the body, which may lie outside of its box.
+    pub(crate) fn gains_node(&mut self, element: u32, node: u32) {
+        self.has_nodes(element, &[node]);
+        if let Some(place) = self.places.get(node as usize) {
+            let cluster = &mut self.clusters[self.of[element as usize] as usize];
+            cluster.bounds.include(place);
+        }
+    }
+
     /// Halves the groups of `elements` that have become large.
     pub(crate) fn halve_large(
         &mut self,

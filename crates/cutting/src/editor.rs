@@ -38,6 +38,8 @@ pub(crate) struct Editor<'a> {
     pub taken: BTreeSet<u32>,
     /// Of what takes them away the normal of its path.
     pub across: Vector3<f64>,
+    /// Elements that have collapsed.
+    collapsed: Vec<u32>,
 }
 
 impl<'a> Editor<'a> {
@@ -59,6 +61,7 @@ impl<'a> Editor<'a> {
             shreds: BTreeMap::new(),
             taken: BTreeSet::new(),
             across: Vector3::zeros(),
+            collapsed: Vec::new(),
         }
     }
 
@@ -166,6 +169,29 @@ impl<'a> Editor<'a> {
             }
         }
         copies
+    }
+
+    /// Puts `onto` in the place of `node`, one of its neighbours.
+    pub(crate) fn merge(&mut self, node: u32, onto: u32) {
+        for end in [node, onto] {
+            for element in self.topology.elements_at(end).to_vec() {
+                self.touch(element);
+            }
+        }
+        let collapsed = self.topology.merge(node, onto);
+        self.collapsed.extend(collapsed);
+    }
+
+    /// The edit of merges, with its report.
+    pub(crate) fn conclude_merges(mut self) -> Cut {
+        let mut collapsed = std::mem::take(&mut self.collapsed);
+        collapsed.sort_unstable();
+        Cut {
+            merged: self.leaving_nodes(&collapsed).len(),
+            // Those around them have their volume.
+            lost_volume: 0.0,
+            ..self.finish(&collapsed, Vec::new())
+        }
     }
 
     /// The edit with its report; `None` when nothing was changed.

@@ -2,7 +2,7 @@
 //!
 //! What is here: [`Topology`], the connectivity of a body updated edit by edit; [`Blade`]s that stand still or move through
 //! tissue that moves; the six patterns by which elements are divided ([`divide`]); what opens, comes off and is laid open ([`Cut`]);
-//! tears; and the check of all that ([`check`]). What is not: forces, tools, when to cut, files,
+//! tears; the coarsening of what cuts have left behind ([`Topology::coarsen`]); and the check of all that ([`check`]). What is not: forces, tools, when to cut, files,
 //! clocks, threads. Pure: the same input gives the same bits.
 //!
 //! A step goes so. Every edge that the blade has crossed gets a node on the path ([`Sweep`], [`Sheet`]), and all elements at it are divided
@@ -35,6 +35,7 @@ mod blade;
 mod change;
 mod check;
 mod clusters;
+mod coarsen;
 mod crossing;
 mod cut;
 mod decide;

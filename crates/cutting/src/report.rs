@@ -56,6 +56,8 @@ pub struct Cut {
     pub dropped: usize,
     /// Faces that were opened as they alone held together what blades had swept between.
     pub mended: usize,
+    /// Nodes that were merged with a neighbour.
+    pub merged: usize,
 }
 
 /// Why nothing was cut. Mesh, topology and stroke are as they were.

@@ -60,6 +60,8 @@ pub(crate) struct Body {
     /// Of each triangle of the surface whether a cut has opened it.
     pub opened: Vec<bool>,
     pub pieces: Pieces,
+    /// Nodes with this id or a larger one come from cuts.
+    pub first_new_node: u32,
     pub tally: CutTally,
 }
 
@@ -72,6 +74,8 @@ pub struct CutTally {
     pub rejected: u64,
     /// Rest volume of the crumbs that were taken away \[m³\].
     pub lost_volume: f64,
+    /// Nodes that were merged with a neighbour.
+    pub merged: u64,
 }
 
 impl Body {
@@ -188,6 +192,7 @@ impl Body {
             tear_strains: spec.tear_strains.clone(),
             topology: cut.then(|| Topology::new(mesh)),
             pieces: Pieces::new(vec![0; mesh.positions.len()], 1, &mesh.tets),
+            first_new_node: mesh.node_ids.iter().max().map_or(0, |last| last + 1),
             triangles: Vec::new(),
             surface_edits: None,
             tally: CutTally::default(),

@@ -61,7 +61,7 @@ impl Scene {
     }
 
     /// The group of a body and its place in it.
-    fn place_of(&self, body: usize) -> (usize, u32) {
+    pub(crate) fn place_of(&self, body: usize) -> (usize, u32) {
         let places = self.groups.iter().enumerate().find_map(|(index, group)| {
             let place = group
                 .members
@@ -310,6 +310,7 @@ impl Scene {
         let pieces = of.pieces.number(&made.pieces, &of.mesh.tets);
         of.tally.divided += made.divided as u64;
         of.tally.lost_volume += made.lost_volume;
+        of.tally.merged += made.merged as u64;
         self.edits.push(Edit {
             body,
             nodes: old,
@@ -336,7 +337,7 @@ impl Scene {
     }
 
     /// Brings surfaces to where the edits since the last time have brought the meshes, and what is made of them: solvers, contact.
-    fn update_surfaces(&mut self) {
+    pub(crate) fn update_surfaces(&mut self) {
         let surface_diffs = self.bodies.iter_mut().map(Body::update_surface);
         let surface_diffs: Vec<Option<SurfaceDiff>> = surface_diffs.collect();
         for group in &mut self.groups {

@@ -146,6 +146,14 @@ impl Drive {
         }
     }
 
+    /// The nodes that grips and loads act on.
+    pub fn nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        let gripped = self.grips.iter().flat_map(|grip| &grip.nodes);
+        let gripped = gripped.map(|(node, _)| *node);
+        let loaded = self.loads.iter().flat_map(|load| &load.nodes);
+        gripped.chain(loaded.copied())
+    }
+
     /// The triangles of loads once the surface has changed: those `outside` that no cut has opened, outward.
     pub fn update_loads(&mut self, mesh: &TetMesh, outside: &[[u32; 3]]) {
         for load in &mut self.loads {

@@ -97,6 +97,20 @@ impl ContactState {
         self.sides = Sides::from_entries(entries.collect());
     }
 
+    /// The nodes at which something touches or is about to.
+    pub fn nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        let keys = self.forces.iter().map(|force| &force.key);
+        let of_keys = keys.flat_map(|key| {
+            let second = match key.partner {
+                Partner::Body { .. } => &key.second[..],
+                _ => &[],
+            };
+            key.first.iter().chain(second)
+        });
+        let beside = self.sides.entries().iter().map(|(_, node, _)| node);
+        of_keys.chain(beside).copied()
+    }
+
     /// Removes the entries of a tool that has jumped: from its new position it pushes to the nearest side.
     pub fn remove_tool(&mut self, tool: u32) {
         let of_tool =

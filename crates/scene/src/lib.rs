@@ -64,6 +64,7 @@ mod body;
 mod box_grip;
 mod budget;
 mod check;
+mod coarsen;
 mod containment;
 mod cut_pairs;
 mod cut_report;

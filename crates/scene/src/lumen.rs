@@ -119,6 +119,11 @@ impl Lumen {
         }
     }
 
+    /// Its nodes, ascending.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Its triangles.
     pub fn triangles(&self) -> &[LumenTriangle] {
         &self.triangles

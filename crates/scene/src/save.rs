@@ -24,7 +24,7 @@ use microsim_tissue::State;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 13;
+const VERSION: u32 = 14;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -238,6 +238,7 @@ impl Scene {
                     cuts.extend(torn.reports());
                     cuts.iter_mut().for_each(|cut| cut.valid = valid);
                     self.state.time = start.time + tick_s;
+                    self.coarsen(start.time);
                     return Ok(TickReport {
                         contacts,
                         cuts,

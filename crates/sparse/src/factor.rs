@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use crate::BlockMatrix;
 use crate::assembly::{Part, Places, assemble};
 use crate::kernels::{
-    factor_panel, outer_product, solve_backward, solve_forward, solve_strip, triangle_start,
+    factor_panel, outer_product, solve_backward, solve_forward, solve_strip, triangle_start, widest,
 };
 use crate::real::{Octet, Real, WIDTH};
 use crate::symbolic::{Front, Symbolic};
@@ -157,32 +157,12 @@ impl<T: Real> Factor<T> {
             3 * symbolic.sequence.len(),
             "three octets per node"
         );
-        for front in &symbolic.fronts {
-            let columns = 3 * front.columns.start..3 * front.columns.end;
-            if x[columns.clone()].iter().all(|octet| *octet == Octet::ZERO) {
-                continue;
-            }
-            let panel = &self.panels[front.panel..][..front.panel_octets()];
-            let width = WIDTH * front.triangle();
-            // Eight right-hand sides are a strip of rows below the triangle.
-            let strip = &mut self.sums[..width];
-            strip[..columns.len()].copy_from_slice(&x[columns.clone()]);
-            strip[columns.len()..].fill(Octet::ZERO);
-            solve_strip(panel, strip);
-            x[columns.clone()].copy_from_slice(&strip[..columns.len()]);
-            let below = panel[triangle_start(front.triangle())..].chunks_exact(width);
-            let rows = &symbolic.rows[front.rows.clone()];
-            for (index, below) in below.enumerate() {
-                let tile = T::product(strip, below);
-                let first = WIDTH * index;
-                for (row, sums) in (first..3 * rows.len()).zip(&tile) {
-                    let place = &mut x[3 * rows[row / 3] as usize + row % 3];
-                    for (x, sum) in place.0.iter_mut().zip(&sums.0) {
-                        *x -= *sum;
-                    }
-                }
-            }
-        }
+        widest!(solve_half_in::<T>(
+            symbolic,
+            &self.panels,
+            &mut self.sums,
+            x
+        ));
     }
 
     /// Sets `compliance` to J A⁻¹ Jᵀ = (L⁻¹ Jᵀ)ᵀ (L⁻¹ Jᵀ), row by row; each row of J has the vectors of up to four nodes, of which those
@@ -215,18 +195,7 @@ impl<T: Real> Factor<T> {
         let length = gather_reached(&mut halves, length);
         compliance.clear();
         compliance.resize(rows.len() * rows.len(), 0.0);
-        for (i, a) in halves.chunks_exact(length).enumerate() {
-            for (j, b) in halves.chunks_exact(length).take(i + 1).enumerate() {
-                let tile = T::product(a, b);
-                for (row, lane) in (WIDTH * i..rows.len()).zip(0..WIDTH) {
-                    for (column, values) in (WIDTH * j..rows.len()).zip(&tile) {
-                        let value = values.0[lane].to_f64();
-                        compliance[row * rows.len() + column] = value;
-                        compliance[column * rows.len() + row] = value;
-                    }
-                }
-            }
-        }
+        multiply_halves(&halves, length, rows.len(), compliance);
         self.halves = halves;
     }
 
@@ -272,6 +241,73 @@ impl<T: Real> Factor<T> {
         for (x, &node) in self.x.chunks_exact(3).zip(&symbolic.sequence) {
             for (value, x) in rhs[node as usize].iter_mut().zip(x) {
                 *value = x.to_f64();
+            }
+        }
+    }
+}
+
+/// As [`Factor::solve_half`].
+#[inline(always)]
+fn solve_half_in<T: Real, const WIDE: bool>(
+    symbolic: &Symbolic,
+    panels: &[Octet<T>],
+    sums: &mut [Octet<T>],
+    x: &mut [Octet<T>],
+) {
+    for front in &symbolic.fronts {
+        let columns = 3 * front.columns.start..3 * front.columns.end;
+        if x[columns.clone()].iter().all(|octet| *octet == Octet::ZERO) {
+            continue;
+        }
+        let panel = &panels[front.panel..][..front.panel_octets()];
+        let width = WIDTH * front.triangle();
+        // Eight right-hand sides are a strip of rows below the triangle.
+        let strip = &mut sums[..width];
+        strip[..columns.len()].copy_from_slice(&x[columns.clone()]);
+        strip[columns.len()..].fill(Octet::ZERO);
+        solve_strip::<T, WIDE>(panel, strip);
+        x[columns.clone()].copy_from_slice(&strip[..columns.len()]);
+        let below = panel[triangle_start(front.triangle())..].chunks_exact(width);
+        let rows = &symbolic.rows[front.rows.clone()];
+        for (index, below) in below.enumerate() {
+            let tile = T::product::<WIDE>(strip, below);
+            let first = WIDTH * index;
+            for (row, sums) in (first..3 * rows.len()).zip(&tile) {
+                let place = &mut x[3 * rows[row / 3] as usize + row % 3];
+                for (x, sum) in place.0.iter_mut().zip(&sums.0) {
+                    *x -= *sum;
+                }
+            }
+        }
+    }
+}
+
+/// Writes the products of all pairs of `count` sides, of `length` octets per eight of them, into `compliance`, row by row.
+fn multiply_halves<T: Real>(
+    halves: &[Octet<T>],
+    length: usize,
+    count: usize,
+    compliance: &mut [f64],
+) {
+    widest!(multiply_halves_in::<T>(halves, length, count, compliance));
+}
+
+#[inline(always)]
+fn multiply_halves_in<T: Real, const WIDE: bool>(
+    halves: &[Octet<T>],
+    length: usize,
+    count: usize,
+    compliance: &mut [f64],
+) {
+    for (i, a) in halves.chunks_exact(length).enumerate() {
+        for (j, b) in halves.chunks_exact(length).take(i + 1).enumerate() {
+            let tile = T::product::<WIDE>(a, b);
+            for (row, lane) in (WIDTH * i..count).zip(0..WIDTH) {
+                for (column, values) in (WIDTH * j..count).zip(&tile) {
+                    let value = values.0[lane].to_f64();
+                    compliance[row * count + column] = value;
+                    compliance[column * count + row] = value;
+                }
             }
         }
     }

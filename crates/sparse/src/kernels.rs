@@ -2,8 +2,9 @@
 //!
 //! A matrix is stored in strips of eight rows; a strip is a run of columns, each an [`Octet`] of its eight rows. Both operands
 //! of a product A Bᵀ of two strips are then read in order and no packing is needed. As many columns of a tile of results are
-//! worked on together as fill eight registers of 256 bits ([`Real::product`]): more would not fit beside the operands, with
-//! fewer the processor waits for its own sums.
+//! worked on together as fill eight registers ([`Products::product`](crate::real::Products::product)): more would not fit beside the operands, with
+//! fewer the processor waits for its own sums. Kernels are compiled for registers of 256 bits and of 512, and which of both runs is
+//! decided by the machine (crate `pulp`).
 //!
 //! Each number of a result is one sum over the columns in ascending order, a multiplication and an addition rounded once
 //! (`mul_add`), whatever the width of the registers: the same bits on every machine. The build must allow the instruction for
@@ -21,8 +22,12 @@ pub(crate) fn triangle_start(i: usize) -> usize {
 
 /// tile − A Bᵀ.
 #[inline(always)]
-fn reduced<T: Real>(tile: &[Octet<T>], a: &[Octet<T>], b: &[Octet<T>]) -> Tile<T> {
-    let mut result = T::product(a, b);
+fn reduced<T: Real, const WIDE: bool>(
+    tile: &[Octet<T>],
+    a: &[Octet<T>],
+    b: &[Octet<T>],
+) -> Tile<T> {
+    let mut result = T::product::<WIDE>(a, b);
     for (result, tile) in result.iter_mut().zip(tile) {
         for (result, value) in result.0.iter_mut().zip(&tile.0) {
             *result = *value - *result;
@@ -50,6 +55,7 @@ fn solved<T: Real>(mut tile: Tile<T>, l: &[Octet<T>]) -> Tile<T> {
 
 /// Cholesky factor of a tile, in its lower triangle, with the reciprocals of the diagonal in its place. Fails with the
 /// column whose pivot is not above its `least`, or not finite.
+#[inline(always)]
 fn cholesky<T: Real>(mut tile: Tile<T>, least: &[T]) -> Result<Tile<T>, usize> {
     for j in 0..WIDTH {
         for p in 0..j {
@@ -73,9 +79,31 @@ fn cholesky<T: Real>(mut tile: Tile<T>, least: &[T]) -> Result<Tile<T>, usize> {
     Ok(tile)
 }
 
+/// Calls a kernel as it was compiled for registers of 512 bits where the machine has them, else as for all machines of the build. Both give the same bits:
+/// lanes are of different rows.
+macro_rules! widest {
+    ($kernel:ident::<$number:ty>($($argument:expr),* $(,)?)) => {{
+        #[cfg(target_arch = "x86_64")]
+        if let Some(wide) = pulp::x86::V4::try_new() {
+            return pulp::Simd::vectorize(wide, || $kernel::<$number, true>($($argument),*));
+        }
+        $kernel::<$number, false>($($argument),*)
+    }};
+}
+pub(crate) use widest;
+
 /// Factors a panel in place: `triangle` strips of a lower triangle, then full strips of 8·`triangle` columns below it.
 /// `least` bounds each pivot from below. Fails with the column of the pivot that is not above it.
 pub(crate) fn factor_panel<T: Real>(
+    panel: &mut [Octet<T>],
+    triangle: usize,
+    least: &[T],
+) -> Result<(), usize> {
+    widest!(factor_panel_in::<T>(panel, triangle, least))
+}
+
+#[inline(always)]
+fn factor_panel_in<T: Real, const WIDE: bool>(
     panel: &mut [Octet<T>],
     triangle: usize,
     least: &[T],
@@ -89,16 +117,19 @@ pub(crate) fn factor_panel<T: Real>(
             let pivot = &done[triangle_start(j)..][..WIDTH * (j + 1)];
             for i in begin..end {
                 let strip = &mut block[triangle_start(i) - triangle_start(begin)..];
-                eliminate(strip, pivot, j);
+                eliminate::<T, WIDE>(strip, pivot, j);
             }
         }
         for i in begin..end {
             let (done, strip) = panel.split_at_mut(triangle_start(i));
             for j in begin..i {
-                eliminate(strip, &done[triangle_start(j)..][..WIDTH * (j + 1)], j);
+                eliminate::<T, WIDE>(strip, &done[triangle_start(j)..][..WIDTH * (j + 1)], j);
             }
             let (before, tile) = strip[..WIDTH * (i + 1)].split_at_mut(WIDTH * i);
-            let factor = cholesky(reduced(tile, before, before), &least[WIDTH * i..][..WIDTH]);
+            let factor = cholesky(
+                reduced::<T, WIDE>(tile, before, before),
+                &least[WIDTH * i..][..WIDTH],
+            );
             tile.copy_from_slice(&factor.map_err(|column| WIDTH * i + column)?);
         }
     }
@@ -108,7 +139,7 @@ pub(crate) fn factor_panel<T: Real>(
         for j in 0..triangle {
             let pivot = &done[triangle_start(j)..][..WIDTH * (j + 1)];
             for strip in block.chunks_exact_mut(width) {
-                eliminate(strip, pivot, j);
+                eliminate::<T, WIDE>(strip, pivot, j);
             }
         }
     }
@@ -118,28 +149,38 @@ pub(crate) fn factor_panel<T: Real>(
 /// Finishes tile `j` of a strip: less the products of its columns before with those of the strip `pivot`, then solved against the
 /// last tile of that one.
 #[inline(always)]
-fn eliminate<T: Real>(strip: &mut [Octet<T>], pivot: &[Octet<T>], j: usize) {
+fn eliminate<T: Real, const WIDE: bool>(strip: &mut [Octet<T>], pivot: &[Octet<T>], j: usize) {
     let (before, tile) = strip[..WIDTH * (j + 1)].split_at_mut(WIDTH * j);
     let (pivot, corner) = pivot.split_at(WIDTH * j);
-    tile.copy_from_slice(&solved(reduced(tile, before, pivot), corner));
+    tile.copy_from_slice(&solved(reduced::<T, WIDE>(tile, before, pivot), corner));
 }
 
 /// Solves X Lᵀ = B in place for a strip B, with the triangle L of a factored panel.
-pub(crate) fn solve_strip<T: Real>(panel: &[Octet<T>], strip: &mut [Octet<T>]) {
+#[inline(always)]
+pub(crate) fn solve_strip<T: Real, const WIDE: bool>(panel: &[Octet<T>], strip: &mut [Octet<T>]) {
     for j in 0..strip.len() / WIDTH {
-        eliminate(strip, &panel[triangle_start(j)..][..WIDTH * (j + 1)], j);
+        eliminate::<T, WIDE>(strip, &panel[triangle_start(j)..][..WIDTH * (j + 1)], j);
     }
 }
 
 /// Writes −B Bᵀ into the lower triangle of strips `update`; `below` are the strips B, `width` columns each.
 pub(crate) fn outer_product<T: Real>(below: &[Octet<T>], width: usize, update: &mut [Octet<T>]) {
+    widest!(outer_product_in::<T>(below, width, update))
+}
+
+#[inline(always)]
+fn outer_product_in<T: Real, const WIDE: bool>(
+    below: &[Octet<T>],
+    width: usize,
+    update: &mut [Octet<T>],
+) {
     let strips = below.len() / width;
     for begin in (0..strips).step_by(BLOCK) {
         let end = strips.min(begin + BLOCK);
         for j in 0..end {
             let right = &below[j * width..][..width];
             for i in begin.max(j)..end {
-                let tile = T::product(&below[i * width..][..width], right);
+                let tile = T::product::<WIDE>(&below[i * width..][..width], right);
                 let place = &mut update[triangle_start(i) + WIDTH * j..][..WIDTH];
                 for (place, column) in place.iter_mut().zip(&tile) {
                     *place = Octet(column.0.map(|value| -value));
@@ -151,6 +192,15 @@ pub(crate) fn outer_product<T: Real>(below: &[Octet<T>], width: usize, update: &
 
 /// Solves L y = b in place for the panel's triangle, then takes L_below y from `below`.
 pub(crate) fn solve_forward<T: Real>(
+    panel: &[Octet<T>],
+    own: &mut [Octet<T>],
+    below: &mut [Octet<T>],
+) {
+    widest!(solve_forward_in::<T>(panel, own, below))
+}
+
+#[inline(always)]
+fn solve_forward_in<T: Real, const WIDE: bool>(
     panel: &[Octet<T>],
     own: &mut [Octet<T>],
     below: &mut [Octet<T>],
@@ -203,6 +253,16 @@ fn row_sums<T: Real>(strip: &[Octet<T>], x: &[Octet<T>]) -> [T; WIDTH] {
 
 /// Solves Lᵀ x = y − L_belowᵀ `below` in place. `sums` is room for one octet per column of the panel.
 pub(crate) fn solve_backward<T: Real>(
+    panel: &[Octet<T>],
+    own: &mut [Octet<T>],
+    below: &[Octet<T>],
+    sums: &mut [Octet<T>],
+) {
+    widest!(solve_backward_in::<T>(panel, own, below, sums))
+}
+
+#[inline(always)]
+fn solve_backward_in<T: Real, const WIDE: bool>(
     panel: &[Octet<T>],
     own: &mut [Octet<T>],
     below: &[Octet<T>],

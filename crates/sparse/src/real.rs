@@ -52,8 +52,8 @@ pub(crate) mod sealed {
 
     /// Tiles of products.
     pub trait Products: Sized {
-        /// A Bᵀ of two strips.
-        fn product(a: &[Octet<Self>], b: &[Octet<Self>]) -> Tile<Self>;
+        /// A Bᵀ of two strips; `WIDE` where registers hold 512 bits.
+        fn product<const WIDE: bool>(a: &[Octet<Self>], b: &[Octet<Self>]) -> Tile<Self>;
     }
 }
 pub(crate) use sealed::Products;
@@ -92,12 +92,15 @@ fn columns_of_product<T: Real, const C: usize>(
     tile.map(Octet)
 }
 
-/// Columns of a tile of f64 that fill eight registers.
+/// Columns of a tile of f64 that fill eight registers of 256 bits.
 const HALF: usize = WIDTH / 2;
 
 impl Products for f64 {
     #[inline(always)]
-    fn product(a: &[Octet<f64>], b: &[Octet<f64>]) -> Tile<f64> {
+    fn product<const WIDE: bool>(a: &[Octet<f64>], b: &[Octet<f64>]) -> Tile<f64> {
+        if WIDE {
+            return columns_of_product::<f64, WIDTH>(a, b, 0);
+        }
         let left = columns_of_product::<f64, HALF>(a, b, 0);
         let right = columns_of_product::<f64, HALF>(a, b, HALF);
         let mut tile = [Octet::ZERO; WIDTH];
@@ -109,7 +112,7 @@ impl Products for f64 {
 
 impl Products for f32 {
     #[inline(always)]
-    fn product(a: &[Octet<f32>], b: &[Octet<f32>]) -> Tile<f32> {
+    fn product<const WIDE: bool>(a: &[Octet<f32>], b: &[Octet<f32>]) -> Tile<f32> {
         columns_of_product::<f32, WIDTH>(a, b, 0)
     }
 }

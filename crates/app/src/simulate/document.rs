@@ -165,6 +165,7 @@ fn cut(runner: &Runner) -> Value {
         "divided": tallies().map(|tally| tally.divided).sum::<u64>(),
         "rejected": tallies().map(|tally| tally.rejected).sum::<u64>(),
         "lost_volume_m3": tallies().map(|tally| tally.lost_volume).sum::<f64>(),
+        "merged_nodes": tallies().map(|tally| tally.merged).sum::<u64>(),
         "lost_mass_kg": start_mass - mass,
         "added_inertia_kg": bodies().flat_map(|body| scene.body(body).model().added_inertia()).sum::<f64>(),
         "start_volume_m3": bodies().map(|body| scene.body(body).uncut().0).sum::<f64>(),

@@ -201,7 +201,7 @@ fn waiting(reader: &mut Reader<'_>) -> Result<([u32; 2], Waiting), RestoreError>
     Ok((edge, Waiting { crossing, forward }))
 }
 
-/// What cuts have made of a body, besides its edits: divided u64, rejected u64, lost volume f64, number of pieces u32, the piece of each
+/// What cuts have made of a body, besides its edits: divided u64, rejected u64, lost volume f64, merged u64, number of pieces u32, the piece of each
 /// node u32, and the state of its topology. Nothing of a body that cannot be cut.
 pub(super) fn put_cut(bytes: &mut Vec<u8>, body: &Body) {
     let Some(topology) = &body.topology else {
@@ -211,10 +211,12 @@ pub(super) fn put_cut(bytes: &mut Vec<u8>, body: &Body) {
         divided,
         rejected,
         lost_volume,
+        merged,
     } = body.tally;
     bytes.extend_from_slice(&divided.to_le_bytes());
     bytes.extend_from_slice(&rejected.to_le_bytes());
     put_f64(bytes, lost_volume);
+    bytes.extend_from_slice(&merged.to_le_bytes());
     put_u32(bytes, body.pieces.count());
     put_numbers(bytes, &body.pieces.of_nodes);
     put_topology(bytes, &topology.state());
@@ -229,6 +231,7 @@ pub(super) fn cut(reader: &mut Reader<'_>, body: &mut Body) -> Result<(), Restor
         divided: u64::from_le_bytes(reader.array()?),
         rejected: u64::from_le_bytes(reader.array()?),
         lost_volume: reader.f64()?,
+        merged: u64::from_le_bytes(reader.array()?),
     };
     let count = reader.u32()?;
     let mut of_nodes = body.pieces.of_nodes.clone();

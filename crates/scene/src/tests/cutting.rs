@@ -236,6 +236,43 @@ fn check_blade(body: BodySpec, method: Method) {
     );
 }
 
+/// What a cut has divided is merged once the blade is away, and not while the blade is at it: fewer nodes in two pieces, a mesh without flaws of which the model is, the mass of before but for what
+/// faces have moved by, 0.02 of an edge over the whole surface at most, and nothing is set in motion.
+#[test]
+fn what_was_divided_is_merged_when_nothing_touches_it_any_more() {
+    let body = bar(Discretisation::Tetrahedra, 0.0);
+    let blade = tool("blade", 0.0, vec![line(5e-5, None)]);
+    let mut scene = Scene::new(&spec(body, blade, false, Method::ImplicitEuler(NEWTON))).unwrap();
+    let whole = scene.body(0).positions().len();
+    let (_, mass) = scene.body(0).uncut();
+    through(&mut scene, 0.37e-3, 20);
+    let divided = scene.body(0).positions().len();
+    assert_eq!(scene.body(0).cut_tally().merged, 0);
+    for _ in 0..40 {
+        scene.tick(&[], 10e-3, 1, &Serial).unwrap();
+    }
+    let nodes = scene.body(0).positions().len();
+    assert!(
+        4 * (nodes - whole) < 3 * (divided - whole),
+        "{whole} {divided} {nodes}"
+    );
+    assert_eq!(scene.body(0).cut_tally().merged, (divided - nodes) as u64);
+    assert_eq!(scene.body(0).piece_count(), 2);
+    let of = &scene.bodies[0];
+    let measures = check(&of.mesh, of.topology.as_ref().unwrap()).unwrap();
+    assert_eq!(measures.parts, 2);
+    assert_eq!(of.model.tets(), of.mesh.tets);
+    let surface = measures.outer_area + measures.sheets.iter().map(|(area, _)| area).sum::<f64>();
+    let moved = 1060.0 * 0.02 * of.model.mean_edge_length() * surface;
+    let now: f64 = scene.body(0).masses().iter().sum();
+    assert!((now - mass).abs() < moved, "{now} {mass}");
+    let energy = scene.body(0).energies().total();
+    assert!(energy < 1e-9 * scene.bodies[0].energy_scale, "{energy}");
+    let mut again = scene.clone();
+    again.restore(&scene.save()).unwrap();
+    assert!(again.save() == scene.save());
+}
+
 /// A clamp that is cut through holds on both sides; what is held by none falls.
 #[test]
 fn clamps_and_weight_after_a_cut() {

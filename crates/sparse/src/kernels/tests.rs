@@ -63,7 +63,9 @@ fn product_is_the_plain_sum_to_the_bit() {
                 .collect()
         };
         let (a, b) = (strip(), strip());
-        let tile = <f64 as crate::real::Products>::product(&a, &b);
+        let tile = <f64 as crate::real::Products>::product::<false>(&a, &b);
+        let wide = <f64 as crate::real::Products>::product::<true>(&a, &b);
+        assert_eq!(tile, wide);
         for row in 0..WIDTH {
             for (column, found) in tile.iter().enumerate() {
                 let mut sum = 0.0;
@@ -110,6 +112,45 @@ fn factor_and_update_agree_with_plain_loops() {
                 }
             }
         }
+    }
+}
+
+/// What runs on this machine, with whatever registers it has, against what the build is for.
+#[test]
+fn registers_of_every_width_give_the_same_bits() {
+    let mut random = Congruential(8);
+    for (triangle, below) in [(1, 0), (2, 3), (5, 5), (9, 4)] {
+        let width = WIDTH * triangle;
+        let least = vec![0.0; width];
+        let mut panels = [(); 3].map(|()| Vec::new());
+        panels[0] = panel(&mut random, triangle, below);
+        panels[1] = panels[0].clone();
+        panels[2] = panels[0].clone();
+        factor_panel(&mut panels[0], triangle, &least).unwrap();
+        factor_panel_in::<f64, false>(&mut panels[1], triangle, &least).unwrap();
+        factor_panel_in::<f64, true>(&mut panels[2], triangle, &least).unwrap();
+        assert!(panels[0] == panels[1] && panels[0] == panels[2]);
+
+        let strips = &panels[0][triangle_start(triangle)..];
+        let mut updates = [(); 3].map(|()| vec![Octet::ZERO; triangle_start(below)]);
+        outer_product(strips, width, &mut updates[0]);
+        outer_product_in::<f64, false>(strips, width, &mut updates[1]);
+        outer_product_in::<f64, true>(strips, width, &mut updates[2]);
+        assert!(updates[0] == updates[1] && updates[0] == updates[2]);
+
+        let mut side = |count: usize| -> Vec<Octet<f64>> {
+            let octets = (0..count).map(|_| Octet([0.0; WIDTH].map(|_| random.number())));
+            octets.collect()
+        };
+        let (own, rest) = (side(triangle), side(below));
+        let mut sides = [(); 2].map(|()| (own.clone(), rest.clone()));
+        let mut sums = vec![Octet::ZERO; width];
+        let [(x, y), (a, b)] = &mut sides;
+        solve_forward(&panels[0], x, y);
+        solve_forward_in::<f64, false>(&panels[0], a, b);
+        solve_backward(&panels[0], x, y, &mut sums);
+        solve_backward_in::<f64, false>(&panels[0], a, b, &mut sums);
+        assert!(sides[0] == sides[1]);
     }
 }
 

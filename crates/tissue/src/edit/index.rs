@@ -1,6 +1,7 @@
 //! What edits look up in a model, and how they prepare it.
 
 use crate::element_index::Index;
+use crate::elements::key::Key;
 use crate::elements::splice::make_room;
 use crate::model::TissueModel;
 
@@ -35,6 +36,13 @@ impl TissueModel {
     pub(crate) fn index(&self) -> &Index {
         let index = || Index::new(self.node_count(), &self.tets, &self.sets);
         self.index.get_or_init(index)
+    }
+
+    /// Whether a coupling or an interface that slides holds a node.
+    pub fn is_coupled(&self, node: u32) -> bool {
+        let couplings = self.made_of.len()..self.sets.len();
+        let mut found = couplings.map(|set| self.index().set(set).find(Key::new(&[node])).next());
+        found.any(|tie| tie.is_some())
     }
 
     /// Takes the index out, to be changed and [put back](Self::put_index).

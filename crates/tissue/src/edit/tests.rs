@@ -298,6 +298,44 @@ fn an_edited_body_is_the_one_built_of_the_mesh_after_the_edit() {
     }
 }
 
+/// A node in the middle of an edge that merges with an end of it leaves what was there before it, of all materials: the model is that of the mesh
+/// with its first volumes, and a body at rest stays at rest.
+#[test]
+fn an_edge_that_was_divided_is_whole_again_when_its_node_has_merged() {
+    for material in materials() {
+        let other = continuum(Discretisation::Selective);
+        let mut mesh = layers([2, 2, 2]);
+        let whole = mesh.clone();
+        let clamped = clamps(&mesh);
+        let mut edited = build(&mesh, [material, other], &clamped);
+        let mut state = State::at_rest(&edited);
+        let edge = mesh.edges()[17];
+        let mut edit = ByHand::new(&mesh);
+        let node = edit.divide(edge, 0.4, false);
+        mesh = edit.finish();
+        state.edit(&edit.apply(&mesh, &mut edited).unwrap());
+        let mut edit = ByHand::new(&mesh);
+        edit.merge(node, edge[0]);
+        mesh = edit.finish();
+        state.edit(&edit.apply(&mesh, &mut edited).unwrap());
+
+        let sorted = |mesh: &TetMesh| {
+            let mut tets = mesh.tets.clone();
+            tets.iter_mut().for_each(|tet| tet.sort_unstable());
+            tets.sort_unstable();
+            tets
+        };
+        assert_eq!(sorted(&mesh), sorted(&whole));
+        assert_eq!(state.positions, whole.positions);
+        let mut anew = build(&mesh, [material, other], &clamped);
+        if material == *materials().last().unwrap() {
+            check_patches(&edited, &mut anew, &mesh, 1);
+        }
+        check_same(&edited, &anew, &state.internal);
+        check_index(&edited);
+    }
+}
+
 /// Every element of the region is in one patch; puts the same patches into the rebuilt model, which forms its own.
 fn check_patches(edited: &TissueModel, anew: &mut TissueModel, mesh: &TetMesh, set: usize) {
     let (number, part, set) = (set, edited.parts_made()[set], &edited.sets()[set]);

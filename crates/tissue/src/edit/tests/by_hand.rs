@@ -92,6 +92,16 @@ impl ByHand {
         }
     }
 
+    /// Puts `onto` in the place of a node; the elements between the two leave.
+    pub fn merge(&mut self, node: u32, onto: u32) {
+        self.removed_elements.extend(self.at(&[node, onto]));
+        for element in self.at(&[node]) {
+            let tet = self.mesh.tets[element as usize];
+            self.replace(element, tet.map(|n| if n == node { onto } else { n }));
+        }
+        self.removed_nodes.push(node);
+    }
+
     /// Takes an element away, and its nodes that no other one has.
     pub fn remove(&mut self, element: u32) {
         self.removed_elements.push(element);

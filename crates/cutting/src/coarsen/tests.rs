@@ -1,0 +1,107 @@
+use super::*;
+use crate::{Blade, Settings, Sheet, Stroke, TopologyState, check};
+use microsim_mesh::{Block, CellSplit};
+use microsim_random::Congruential;
+
+fn block() -> TetMesh {
+    let block = Block {
+        center: [0.0; 3],
+        size: [6.0, 5.0, 4.0],
+        cells: [6, 5, 4],
+        split: CellSplit::Kuhn,
+    };
+    block.mesh().unwrap()
+}
+
+/// Cuts through the block along a plane.
+fn cut(
+    mesh: &mut TetMesh,
+    topology: &mut Topology,
+    center: Vector3<f64>,
+    sides: [Vector3<f64>; 2],
+) {
+    let [along, across] = sides.map(|v| v.normalize() * 20.0);
+    let corner = |s: f64, t: f64| center + along * s + across * t;
+    let sheet = Sheet::quad(
+        [corner(-1.0, -1.0), corner(1.0, -1.0)],
+        [corner(-1.0, 1.0), corner(1.0, 1.0)],
+    );
+    let positions = mesh.positions.clone();
+    let blade = Blade::Sheet {
+        sheet: &sheet,
+        positions: &positions,
+    };
+    let made = topology.cut(mesh, &mut Stroke::new(), &blade, &Settings::default());
+    if let Some(cut) = made.unwrap() {
+        mesh.apply(&cut.edit).unwrap();
+    }
+}
+
+/// Merges until nothing can be; returns the number of merges.
+fn coarsen(mesh: &mut TetMesh, topology: &mut Topology, first: u32) -> usize {
+    let mut merged = 0;
+    loop {
+        let positions = mesh.positions.clone();
+        let nodes = first..mesh.positions.len() as u32;
+        let Some(made) = topology.coarsen(mesh, &positions, nodes) else {
+            return merged;
+        };
+        let before: BTreeSet<_> = Topology::restore(mesh, &TopologyState::default())
+            .surface()
+            .into_iter()
+            .map(|t| (t.element, t.nodes))
+            .collect();
+        mesh.apply(&made.edit).unwrap();
+        let after: BTreeSet<_> = topology
+            .surface()
+            .into_iter()
+            .map(|t| (t.element, t.nodes))
+            .collect();
+        let list = |all: &[crate::SurfaceTriangle]| -> BTreeSet<_> {
+            all.iter().map(|t| (t.element, t.nodes)).collect()
+        };
+        assert_eq!(
+            &(&before - &list(&made.surface.removed)) | &list(&made.surface.added),
+            after
+        );
+        merged += made.merged;
+    }
+}
+
+/// Random planes through a block: what is left is a valid mesh of the same parts and, as planes are flat, with the same faces: by the measures of both.
+#[test]
+fn planes_stay_where_they_are_and_need_fewer_nodes() {
+    let mut random = Congruential(7);
+    let (mut before, mut after) = (0, 0);
+    for _ in 0..12 {
+        let mut mesh = block();
+        let first = mesh.positions.len() as u32;
+        let mut topology = Topology::new(&mesh);
+        for _ in 0..2 {
+            let sides = [random.vector(), random.vector()];
+            cut(&mut mesh, &mut topology, random.vector(), sides);
+        }
+        let fine = check(&mesh, &topology).unwrap();
+        before += mesh.positions.len() - first as usize;
+        let merged = coarsen(&mut mesh, &mut topology, first);
+        let coarse = check(&mesh, &topology).unwrap();
+        after += mesh.positions.len() - first as usize;
+        assert!(merged > 0);
+        assert_eq!(coarse.parts, fine.parts);
+        // Each merge moves a face by at most `SURFACE` edges of 1 over the triangles at a node.
+        let area: f64 = fine.outer_area + fine.sheets.iter().map(|(area, _)| area).sum::<f64>();
+        assert!(
+            (coarse.volume - fine.volume).abs() < SURFACE * area,
+            "{} {}",
+            coarse.volume,
+            fine.volume
+        );
+        for (fine, coarse) in fine.sheets.iter().zip(&coarse.sheets) {
+            assert!(
+                (fine.0 - coarse.0).abs() < 0.02 * fine.0,
+                "{fine:?} {coarse:?}"
+            );
+        }
+    }
+    assert!(4 * after < 3 * before, "{before} {after}");
+}

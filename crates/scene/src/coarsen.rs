@@ -1,0 +1,76 @@
+//! Coarsening: nodes that cuts have made and nothing touches any more are merged, so that the cost of many cuts does not add up.
+//!
+//! What is here: when, and which nodes may go. What is not: where the shape does without them, and how (crate `cutting`).
+
+use crate::body::Body;
+use crate::scene::Scene;
+use std::collections::BTreeSet;
+
+/// Time between two looks for what can be merged \[s\]: each costs as much as a small cut.
+const PERIOD: f64 = 0.1;
+
+impl Scene {
+    /// Merges nodes of bodies that were cut, at the end of a tick that began at `start` \[s\].
+    pub(crate) fn coarsen(&mut self, start: f64) {
+        if (start / PERIOD).floor() == (self.state.time / PERIOD).floor() {
+            return;
+        }
+        for body in 0..self.bodies.len() {
+            let candidates = self.needless(body);
+            let of = &mut self.bodies[body];
+            let current = &self.state.bodies[body].positions;
+            let topology = of.topology.as_mut();
+            let made =
+                topology.and_then(|topology| topology.coarsen(&of.mesh, current, candidates));
+            if let Some(made) = made {
+                self.update_strokes(body, None, &made.edit);
+                self.apply_cut(body, &made);
+            }
+        }
+        self.update_surfaces();
+    }
+
+    /// The nodes that cuts have made of a body and nothing refers to but its elements: no contact, no blade in progress, no clamp, load or coupling.
+    fn needless(&self, body: usize) -> Vec<u32> {
+        let of = &self.bodies[body];
+        let new = |node: &u32| of.mesh.node_ids[*node as usize] >= of.first_new_node;
+        let new: Vec<u32> = (0..of.mesh.positions.len() as u32).filter(new).collect();
+        if new.is_empty() {
+            return new;
+        }
+        let mut referred = of.referred_nodes();
+        let (group, place) = self.place_of(body);
+        let first = self.groups[group].members[place as usize].first_node as u32;
+        let touched = self.state.contacts[group].nodes();
+        referred.extend(touched.filter_map(|node| node.checked_sub(first)));
+        for (cut, blade) in self.cuts.iter().zip(&self.state.blades) {
+            if cut.body == body {
+                let passed = blade.strokes.iter().flat_map(|(_, stroke)| {
+                    let waiting = stroke.waiting.keys().flatten();
+                    stroke.nodes.keys().chain(waiting)
+                });
+                referred.extend(passed);
+            }
+        }
+        let is_free = |node: &u32| {
+            !referred.contains(node)
+                && !of.model.is_clamped(*node as usize)
+                && !of.model.is_coupled(*node)
+        };
+        new.into_iter().filter(is_free).collect()
+    }
+}
+
+impl Body {
+    /// Nodes that clamps, grips, loads, open ends and the lumen refer to.
+    fn referred_nodes(&self) -> BTreeSet<u32> {
+        let mut nodes: BTreeSet<u32> = self.end_nodes.iter().flatten().copied().collect();
+        nodes.extend(self.drive.nodes());
+        nodes.extend(
+            self.lumen
+                .iter()
+                .flat_map(|lumen| lumen.nodes().iter().copied()),
+        );
+        nodes
+    }
+}
