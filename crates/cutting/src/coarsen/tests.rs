@@ -13,14 +13,15 @@ fn block() -> TetMesh {
     block.mesh().unwrap()
 }
 
-/// Cuts through the block along a plane.
+/// Cuts along a rectangle of which sides are twice `reach`.
 fn cut(
     mesh: &mut TetMesh,
     topology: &mut Topology,
     center: Vector3<f64>,
     sides: [Vector3<f64>; 2],
+    reach: f64,
 ) {
-    let [along, across] = sides.map(|v| v.normalize() * 20.0);
+    let [along, across] = sides.map(|v| v.normalize() * reach);
     let corner = |s: f64, t: f64| center + along * s + across * t;
     let sheet = Sheet::quad(
         [corner(-1.0, -1.0), corner(1.0, -1.0)],
@@ -79,7 +80,7 @@ fn planes_stay_where_they_are_and_need_fewer_nodes() {
         let mut topology = Topology::new(&mesh);
         for _ in 0..2 {
             let sides = [random.vector(), random.vector()];
-            cut(&mut mesh, &mut topology, random.vector(), sides);
+            cut(&mut mesh, &mut topology, random.vector(), sides, 20.0);
         }
         let fine = check(&mesh, &topology).unwrap();
         before += mesh.positions.len() - first as usize;
@@ -104,4 +105,37 @@ fn planes_stay_where_they_are_and_need_fewer_nodes() {
         }
     }
     assert!(4 * after < 3 * before, "{before} {after}");
+}
+
+/// Cuts that end inside, one after the other, with merges after each: the mesh has no flaw, and what a cut has divided is parted when another one goes through where
+/// it is. That plane parts what it would part without any merges.
+#[test]
+fn cuts_go_on_in_what_was_merged() {
+    let mut random = Congruential(11);
+    let mut merged = 0;
+    for _ in 0..12 {
+        let mut mesh = block();
+        let first = mesh.positions.len() as u32;
+        let mut topology = Topology::new(&mesh);
+        for _ in 0..4 {
+            let sides = [random.vector(), random.vector()];
+            cut(&mut mesh, &mut topology, random.vector() * 2.0, sides, 2.0);
+            check(&mesh, &topology).unwrap();
+            merged += coarsen(&mut mesh, &mut topology, first);
+            check(&mesh, &topology).unwrap();
+        }
+        let sides = [Vector3::new(0.1, 1.0, 0.05), Vector3::new(-0.05, 0.1, 1.0)];
+        cut(
+            &mut mesh,
+            &mut topology,
+            Vector3::new(0.3, 0.0, 0.0),
+            sides,
+            20.0,
+        );
+        let parts = check(&mesh, &topology).unwrap().parts;
+        assert!(parts >= 2, "{parts}");
+        merged += coarsen(&mut mesh, &mut topology, first);
+        assert_eq!(check(&mesh, &topology).unwrap().parts, parts);
+    }
+    assert!(merged > 500, "{merged}");
 }
