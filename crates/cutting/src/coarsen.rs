@@ -2,12 +2,13 @@
 //!
 //! A cut divides every edge that it crosses, so that a few of them side by side make a mesh several times finer than the one that was
 //! meshed. Here an edge collapses (Hoppe et al. 1993): a node takes the place of its neighbour, the elements between them vanish, those around
-//! become larger. It does so where the mesh stays conforming and its surface a manifold (link conditions: Dey et al. 1999), where no face of the surface, of a cut or
-//! between two regions moves by more than a small fraction of an edge, and where no element becomes a sliver, longer than those of the whole mesh are or distorted. Whoever calls says which nodes
-//! may go: those that something else refers to must not.
+//! become larger. It does so where the mesh stays conforming and its surface a manifold (link conditions: Dey et al. 1999); along all faces of the surface, of a cut and
+//! between two regions at the node, as far as these stay within a small fraction of an edge of where they were; and where no element becomes a sliver, much longer than those of the whole mesh or distorted.
+//! Which nodes may go, the caller says: those that something else refers to must not.
 //!
 //! Limitations: what a node carries is lost with it, where that is not what its neighbours have; momentum changes by that of the
-//! difference of two velocities. Errors of merges side by side add up.
+//! difference of two velocities. Copies of nodes that were there before a cut may go as well: one lip of a cut then has fewer nodes than the other, and both may overlap at rest by as much as faces move. Nothing
+//! remembers the first surface: errors of merges one after the other add up.
 
 use crate::editor::Editor;
 use crate::report::Cut;
@@ -17,20 +18,21 @@ use microsim_mesh::TetMesh;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeSet;
 
-/// How far a merged node may lie from the faces that take the place of its own, over the mean edge: a seventh of what a cut strays by ([`Settings::least_fraction`](crate::Settings::least_fraction)).
-const SURFACE: f64 = 0.02;
+/// How far a merged node may lie from the faces that take the place of its own, and the other node from the planes of these, over the mean edge at the node: half of
+/// what a cut strays by ([`Settings::least_fraction`](crate::Settings::least_fraction)).
+const SURFACE: f64 = 0.08;
 
 /// Cosine of the angle by which a face may turn.
 const TURN: f64 = 0.9;
 
-/// How far a merged node may be from where its neighbours' displacements put it, over the mean edge.
+/// How far a merged node may be from where its neighbours' displacements put it, over the mean edge at the node.
 const DISPLACEMENT: f64 = 0.04;
 
 /// Least quality of an element that grows: 6 √2 V over the cube of the root mean square edge, 1 for the regular tetrahedron (Parthasarathy, Graichen
 /// and Hathaway 1994). Less only where one around the node is worse.
 const QUALITY: f64 = 0.1;
 
-/// Longest edge of an element that grows, over the mean edge.
+/// Longest edge of an element that grows, over the mean edge of the whole mesh.
 const LONGEST: f64 = 1.5;
 
 /// Least volume of an element that grows, over that at rest.
@@ -132,6 +134,10 @@ struct Star<'a> {
     faces: Vec<Face>,
     /// Of the edges at the node that lie on the surface the other ends, ascending.
     rim: Vec<u32>,
+    /// The other ends of all edges at the node, by their lengths at rest \[m\].
+    neighbours: Vec<(f64, u32)>,
+    /// Mean of these lengths, but no more than that of the whole mesh \[m\].
+    edge: f64,
 }
 
 impl<'a> Star<'a> {
@@ -158,6 +164,19 @@ impl<'a> Star<'a> {
             faces.push(Face { nodes, of });
         }
         let rim = rim(topology, node)?;
+        let at = topology.elements_at(node).iter();
+        let mut neighbours: Vec<u32> = at.flat_map(|e| topology.tets[*e as usize]).collect();
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        neighbours.retain(|other| *other != node);
+        let place = mesh.positions[node as usize];
+        let length = |other: u32| (mesh.positions[other as usize] - place).norm();
+        let mut neighbours: Vec<(f64, u32)> = neighbours
+            .into_iter()
+            .map(|other| (length(other), other))
+            .collect();
+        neighbours.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let sum: f64 = neighbours.iter().map(|(length, _)| length).sum();
         Some(Self {
             topology,
             mesh,
@@ -165,23 +184,14 @@ impl<'a> Star<'a> {
             node,
             faces,
             rim,
+            edge: topology.mean_edge.min(sum / neighbours.len() as f64),
+            neighbours,
         })
     }
 
     /// The nearest neighbour with which the node may merge; none of its elements is `used`.
     fn target(&self, used: &BTreeSet<u32>) -> Option<u32> {
-        let at = self.at(self.node);
-        let mut neighbours: Vec<u32> = at.flat_map(|tet| *tet).collect();
-        neighbours.sort_unstable();
-        neighbours.dedup();
-        let length = |other: u32| (self.rest(other) - self.rest(self.node)).norm_squared();
-        let mut neighbours: Vec<(f64, u32)> = neighbours
-            .into_iter()
-            .filter(|other| *other != self.node)
-            .map(|other| (length(other), other))
-            .collect();
-        neighbours.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut neighbours = neighbours.into_iter().map(|(_, other)| other);
+        let mut neighbours = self.neighbours.iter().map(|(_, other)| *other);
         neighbours.find(|&onto| {
             let topology = self.topology;
             !topology.front.contains(&onto)
@@ -205,24 +215,26 @@ impl<'a> Star<'a> {
     /// Whether the faces at the node stay where they are as it merges.
     fn retains_surfaces(&self, onto: u32) -> bool {
         let node = self.node;
-        let most = SURFACE * self.topology.mean_edge;
-        let place = self.rest(node);
-        let of: Vec<Surface> = self.faces.iter().map(|face| face.of).collect();
-        of.iter().enumerate().all(|(first, surface)| {
-            if of[..first].contains(surface) {
+        let most = SURFACE * self.edge;
+        let (place, other) = (self.rest(node), self.rest(onto));
+        self.faces.iter().enumerate().all(|(first, face)| {
+            let surface = face.of;
+            if self.faces[..first].iter().any(|face| face.of == surface) {
                 return true;
             }
-            let faces = self.faces.iter().filter(|face| face.of == *surface);
+            let faces = || self.faces.iter().filter(|face| face.of == surface);
+            let along = faces().any(|face| face.nodes.contains(&onto));
             let mut nearest = f64::INFINITY;
-            for face in faces.filter(|face| !face.nodes.contains(&onto)) {
+            for face in faces().filter(|face| along && !face.nodes.contains(&onto)) {
                 let before = face.nodes.map(|n| self.rest(n));
                 let after = face
                     .nodes
                     .map(|n| self.rest(if n == node { onto } else { n }));
                 let [from, to] = [before, after].map(|[a, b, c]| (b - a).cross(&(c - a)));
+                let height = from.dot(&(other - place)).abs();
                 // Written so that a face without area does not stay.
                 let stays = from.dot(&to) > TURN * from.norm() * to.norm();
-                if !stays {
+                if !stays || height > most * from.norm() {
                     return false;
                 }
                 let closest = closest_on_triangle(&place, &after);
@@ -236,8 +248,7 @@ impl<'a> Star<'a> {
     fn retains_elements(&self, onto: u32) -> bool {
         let node = self.node;
         let quality = |tet: &[u32; 4]| quality(&tet.map(|n| self.rest(n)));
-        let around = self.at(node).chain(self.at(onto));
-        let worst = around.map(quality).fold(QUALITY, f64::min);
+        let worst = self.at(node).map(quality).fold(QUALITY, f64::min);
         let longest = LONGEST * self.topology.mean_edge;
         let place = self.rest(node);
         // The least of the barycentric coordinates of the node in the element that holds it, and how far it is from where that puts it.
@@ -267,7 +278,7 @@ impl<'a> Star<'a> {
                 held = (least, (brought - self.current[node as usize]).norm());
             }
         }
-        held.1 <= DISPLACEMENT * self.topology.mean_edge
+        held.1 <= DISPLACEMENT * self.edge
     }
 
     /// Whether what both nodes are linked to is what the edge between them is linked to, with the outside as one more node: then the mesh

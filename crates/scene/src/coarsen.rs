@@ -1,13 +1,19 @@
 //! Coarsening: nodes that cuts have made and nothing touches any more are merged, so that the cost of many cuts does not add up.
 //!
 //! What is here: when, and which nodes may go. What is not: where the shape does without them, and how (crate `cutting`).
+//!
+//! Like cuts, this is no part of the budget of a tick: what it may look at is bounded. Bodies in which something has flowed are left as they are. Means of probes over nodes that
+//! cuts have made change as some of them merge.
 
 use crate::body::Body;
 use crate::scene::Scene;
 use std::collections::BTreeSet;
 
-/// Time between two looks for what can be merged \[s\]: each costs as much as a small cut.
+/// Time between two looks for what can be merged \[s\]. What is found makes an edit, which costs as much as a small cut.
 const PERIOD: f64 = 0.1;
+
+/// Nodes of a body that are looked at each time, one after the other in turn: some microseconds each.
+const LOOKS: usize = 128;
 
 impl Scene {
     /// Merges nodes of bodies that were cut, at the end of a tick that began at `start` \[s\].
@@ -15,8 +21,14 @@ impl Scene {
         if (start / PERIOD).floor() == (self.state.time / PERIOD).floor() {
             return;
         }
+        // The cast saturates.
+        let turn = (self.state.time / PERIOD) as usize;
         for body in 0..self.bodies.len() {
-            let candidates = self.needless(body);
+            let needless = self.needless(body);
+            let count = needless.len();
+            let first = turn.wrapping_mul(LOOKS) % count.max(1);
+            let candidates = needless.into_iter().cycle();
+            let candidates = candidates.skip(first).take(LOOKS.min(count));
             let of = &mut self.bodies[body];
             let current = &self.state.bodies[body].positions;
             let topology = of.topology.as_mut();
@@ -33,6 +45,9 @@ impl Scene {
     /// The nodes that cuts have made of a body and nothing refers to but its elements: no contact, no blade in progress, no clamp, load or coupling.
     fn needless(&self, body: usize) -> Vec<u32> {
         let of = &self.bodies[body];
+        if of.model.flows() {
+            return Vec::new();
+        }
         let new = |node: &u32| of.mesh.node_ids[*node as usize] >= of.first_new_node;
         let new: Vec<u32> = (0..of.mesh.positions.len() as u32).filter(new).collect();
         if new.is_empty() {

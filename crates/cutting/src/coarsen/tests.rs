@@ -38,7 +38,29 @@ fn cut(
     }
 }
 
-/// Merges until nothing can be; returns the number of merges.
+/// The largest distance of corners, middles of edges and centroids of the triangles of a surface from those of another.
+fn farthest(mesh: &TetMesh, surface: &[[u32; 3]], from: &[[Vector3<f64>; 3]]) -> f64 {
+    let mut farthest = 0.0_f64;
+    for triangle in surface {
+        let [a, b, c] = triangle.map(|node| mesh.positions[node as usize]);
+        let points = [
+            a,
+            (a + b) / 2.0,
+            (b + c) / 2.0,
+            (c + a) / 2.0,
+            (a + b + c) / 3.0,
+        ];
+        for point in points {
+            let distances = from
+                .iter()
+                .map(|t| (closest_on_triangle(&point, t).point - point).norm());
+            farthest = farthest.max(distances.fold(f64::INFINITY, f64::min));
+        }
+    }
+    farthest
+}
+
+/// Merges until nothing can be, each time without moving any face by more than twice what is allowed at a node: more than one fan of faces may meet at one. Returns the number of merges.
 fn coarsen(mesh: &mut TetMesh, topology: &mut Topology, first: u32) -> usize {
     let mut merged = 0;
     loop {
@@ -47,12 +69,29 @@ fn coarsen(mesh: &mut TetMesh, topology: &mut Topology, first: u32) -> usize {
         let Some(made) = topology.coarsen(mesh, &positions, nodes) else {
             return merged;
         };
-        let before: BTreeSet<_> = Topology::restore(mesh, &TopologyState::default())
+        let topology_before = Topology::restore(mesh, &TopologyState::default());
+        let before: BTreeSet<_> = topology_before
             .surface()
             .into_iter()
             .map(|t| (t.element, t.nodes))
             .collect();
+        let removed = &made.surface.removed;
+        let old: Vec<_> = topology_before
+            .surface()
+            .iter()
+            .map(|t| t.nodes.map(|n| mesh.positions[n as usize]))
+            .collect();
+        let gone: Vec<[u32; 3]> = removed.iter().map(|t| t.nodes).collect();
+        let before_edit = mesh.clone();
         mesh.apply(&made.edit).unwrap();
+        let added: Vec<[u32; 3]> = made.surface.added.iter().map(|t| t.nodes).collect();
+        let new: Vec<_> = topology
+            .surface()
+            .iter()
+            .map(|t| t.nodes.map(|n| mesh.positions[n as usize]))
+            .collect();
+        let moved = farthest(mesh, &added, &old).max(farthest(&before_edit, &gone, &new));
+        assert!(moved <= 2.0 * SURFACE * topology.mean_edge, "{moved}");
         let after: BTreeSet<_> = topology
             .surface()
             .into_iter()
@@ -74,7 +113,7 @@ fn coarsen(mesh: &mut TetMesh, topology: &mut Topology, first: u32) -> usize {
 fn planes_stay_where_they_are_and_need_fewer_nodes() {
     let mut random = Congruential(7);
     let (mut before, mut after) = (0, 0);
-    for _ in 0..12 {
+    for _ in 0..5 {
         let mut mesh = block();
         let first = mesh.positions.len() as u32;
         let mut topology = Topology::new(&mesh);
@@ -113,7 +152,7 @@ fn planes_stay_where_they_are_and_need_fewer_nodes() {
 fn cuts_go_on_in_what_was_merged() {
     let mut random = Congruential(11);
     let mut merged = 0;
-    for _ in 0..12 {
+    for _ in 0..4 {
         let mut mesh = block();
         let first = mesh.positions.len() as u32;
         let mut topology = Topology::new(&mesh);
@@ -137,5 +176,5 @@ fn cuts_go_on_in_what_was_merged() {
         merged += coarsen(&mut mesh, &mut topology, first);
         assert_eq!(check(&mesh, &topology).unwrap().parts, parts);
     }
-    assert!(merged > 500, "{merged}");
+    assert!(merged > 200, "{merged}");
 }

@@ -366,3 +366,30 @@ fn compliance_is_that_of_the_dense_inverse() {
     let bound = error_bound(&dense);
     assert!((found - &expected).norm() <= bound * expected.norm());
 }
+
+/// Eight sides at once and the products of sides, by the kernels of both widths of registers.
+#[test]
+fn sides_are_the_same_bits_in_registers_of_every_width() {
+    let mut random = Congruential(12);
+    let matrix = random_matrix(&mut random, 40, 120, 0.5);
+    let pattern = matrix.pattern().clone();
+    let mut factor = factor(&pattern, &Ordering::nested_dissection(&pattern, None));
+    factor.factorise(&matrix, None).unwrap();
+    let length = 3 * pattern.nodes();
+    let mut sides = [(); 3].map(|()| Vec::new());
+    sides[0] = (0..length)
+        .map(|_| Octet([0.0; WIDTH].map(|_| random.number())))
+        .collect();
+    sides[1] = sides[0].clone();
+    sides[2] = sides[0].clone();
+    factor.solve_half(&mut sides[0]);
+    let (symbolic, panels, sums) = (&*factor.symbolic, &factor.panels, &mut factor.sums);
+    solve_half_in::<f64, false>(symbolic, panels, sums, &mut sides[1]);
+    solve_half_in::<f64, true>(symbolic, panels, sums, &mut sides[2]);
+    assert!(sides[0] == sides[1] && sides[0] == sides[2]);
+    let mut products = [(); 3].map(|()| vec![0.0; 7 * 7]);
+    multiply_halves(&sides[0], length, 7, &mut products[0]);
+    multiply_halves_in::<f64, false>(&sides[0], length, 7, &mut products[1]);
+    multiply_halves_in::<f64, true>(&sides[0], length, 7, &mut products[2]);
+    assert!(products[0] == products[1] && products[0] == products[2]);
+}

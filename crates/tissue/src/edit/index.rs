@@ -45,6 +45,12 @@ impl TissueModel {
         found.any(|tie| tie.is_some())
     }
 
+    /// Whether any element has a state of its own, as plastic flow leaves it.
+    pub fn flows(&self) -> bool {
+        let sets = &self.internal[..self.made_of.len()];
+        sets.iter().any(|internal| !internal.is_empty())
+    }
+
     /// Takes the index out, to be changed and [put back](Self::put_index).
     pub(super) fn take_index(&mut self) -> Index {
         self.index();
