@@ -12,17 +12,24 @@ use std::collections::BTreeSet;
 /// Time between two looks for what can be merged \[s\]. What is found makes an edit, which costs as much as a small cut.
 const PERIOD: f64 = 0.1;
 
+/// A look waits for a tick that has taken no more than this fraction of its length, but
+const LIGHT: f64 = 0.25;
+
+/// is not left out more than twice in a row: what is hard to compute needs it most.
+const EACH: usize = 3;
+
 /// Nodes of a body that are looked at each time, one after the other in turn: some microseconds each.
 const LOOKS: usize = 128;
 
 impl Scene {
-    /// Merges nodes of bodies that were cut, at the end of a tick that began at `start` \[s\].
-    pub(crate) fn coarsen(&mut self, start: f64) {
-        if (start / PERIOD).floor() == (self.state.time / PERIOD).floor() {
+    /// Merges nodes of bodies that were cut, at the end of a tick that began at `start` \[s\] and has taken so much `work` \[s\].
+    pub(crate) fn coarsen(&mut self, start: f64, work: f64) {
+        // The casts saturate.
+        let turn = (self.state.time / PERIOD) as usize;
+        let is_light = work <= LIGHT * (self.state.time - start);
+        if (start / PERIOD) as usize == turn || !(is_light || turn.is_multiple_of(EACH)) {
             return;
         }
-        // The cast saturates.
-        let turn = (self.state.time / PERIOD) as usize;
         for body in 0..self.bodies.len() {
             let needless = self.needless(body);
             let count = needless.len();

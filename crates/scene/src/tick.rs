@@ -238,7 +238,7 @@ impl Scene {
                     cuts.extend(torn.reports());
                     cuts.iter_mut().for_each(|cut| cut.valid = valid);
                     self.state.time = start.time + tick_s;
-                    self.coarsen(start.time);
+                    self.coarsen(start.time, budget.spent);
                     return Ok(TickReport {
                         contacts,
                         cuts,
