@@ -328,10 +328,10 @@ fn damaged_bytes_are_refused_and_change_nothing() {
     let longer = [bytes.as_slice(), &[0]].concat();
     assert_eq!(other.restore(&longer), Err(RestoreError::Length));
     let mut version = bytes.clone();
-    version[4] = 14;
+    version[4] = 255;
     assert_eq!(
         other.restore(&version),
-        Err(RestoreError::Version { found: 14 })
+        Err(RestoreError::Version { found: 255 })
     );
     let mut not_finite = bytes.clone();
     not_finite[8..16].copy_from_slice(&f64::NAN.to_le_bytes());
