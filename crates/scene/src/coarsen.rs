@@ -12,11 +12,11 @@ use std::collections::BTreeSet;
 /// Time between two looks for what can be merged \[s\]. What is found makes an edit, which costs as much as a small cut.
 const PERIOD: f64 = 0.1;
 
-/// A look waits for a tick that has taken no more than this fraction of its length, but
+/// A look is left out after a tick whose work was more than this fraction of its length.
 const LIGHT: f64 = 0.25;
 
-/// is not left out more than twice in a row: what is hard to compute needs it most.
-const EACH: usize = 3;
+/// Every so many looks one is made after any tick: bodies that are hard to compute need it most.
+const ALWAYS: usize = 3;
 
 /// Nodes of a body that are looked at each time, one after the other in turn: some microseconds each.
 const LOOKS: usize = 128;
@@ -27,7 +27,7 @@ impl Scene {
         // The casts saturate.
         let turn = (self.state.time / PERIOD) as usize;
         let is_light = work <= LIGHT * (self.state.time - start);
-        if (start / PERIOD) as usize == turn || !(is_light || turn.is_multiple_of(EACH)) {
+        if (start / PERIOD) as usize == turn || !(is_light || turn.is_multiple_of(ALWAYS)) {
             return;
         }
         for body in 0..self.bodies.len() {

@@ -13,7 +13,7 @@
 //! # Plastic flow
 //! A new element inherits the mean plastic stretch of its rest value, and the mean stiffening, of what it was: an element that
 //! persists, or part of an element (of an edge, a face, a tetrahedron), that of this one; a new edge or face inside of elements,
-//! that of all edges or faces of these. So does a continuum: the mean of F_p⁻¹ by volume with its determinant brought back to 1, of what it was or is a part
+//! that of all edges or faces of these; an element of which a corner has merged with another node, that of this element. So does a continuum: the mean of F_p⁻¹ by volume with its determinant brought back to 1, of what it was or is a part
 //! of, or around a new edge or node of what is around those of the elements in which it is. A tie that breaks is broken on all copies of its node.
 //!
 //! # Cost
