@@ -4,7 +4,7 @@
 //! meshed. Here an edge collapses (Hoppe et al. 1993): a node takes the place of its neighbour, the elements between them vanish, those around
 //! become larger. It does so where the mesh stays conforming and its surface a manifold (link conditions: Dey et al. 1999); along all faces of the surface, of a cut and
 //! between two regions at the node, as far as these stay within a small fraction of an edge of where they were; and where no element becomes a sliver, much longer than those of the whole mesh or distorted.
-//! Which nodes may go, the caller says: those that something else refers to must not.
+//! Which nodes may go is for the caller to decide: those that something else refers to must not.
 //!
 //! Limitations: what a node carries is lost with it, where that is not what its neighbours have; momentum changes by that of the
 //! difference of two velocities. Copies of nodes that were there before a cut may go as well: one lip of a cut then has fewer nodes than the other, and both may overlap at rest by as much as faces move. Nothing
@@ -39,7 +39,7 @@ const LONGEST: f64 = 1.5;
 const COMPRESSED: f64 = 0.3;
 
 impl Topology {
-    /// Merges nodes among `candidates`, of which no two share an element, as many as can be; `None` where none can. Nodes are now at `current` \[m\]. The
+    /// Merges nodes among `candidates` without a common element, as many as can be; `None` where none can. Nodes are now at `current` \[m\]. The
     /// topology is then that of the next generation, as after [`Topology::cut`].
     pub fn coarsen(
         &mut self,
