@@ -149,7 +149,9 @@ impl ContactSolver<SystemResponse<'_>> for InteriorPoint {
             };
             row.friction_bound = match member.count {
                 // Friction joins when there is room.
-                1 => contacts[member.contact].friction * self.forces[member.first],
+                1 if !is_frictionless(row) => {
+                    contacts[member.contact].friction * self.forces[member.first]
+                }
                 _ => cone.bound,
             };
             *row = row.with_force(contact, &contact.interpolate(direction), force);
@@ -159,7 +161,12 @@ impl ContactSolver<SystemResponse<'_>> for InteriorPoint {
     }
 }
 
-/// Solves with the factored matrix, with no forces at the nodes that are fixed.
+/// Whether a contact is to have no friction, as where old overlaps are undone.
+fn is_frictionless(row: &Row) -> bool {
+    row.has_fixed_bound && row.friction_bound == 0.0
+}
+
+/// Solves with the factored matrix, with no forces at the nodes that are fixed. Where overlaps are undone there are none but those of contacts.
 fn solve(
     system: &mut dyn LinearSystem,
     fixed: &[bool],
@@ -167,7 +174,10 @@ fn solve(
     x: &mut [Vector3<f64>],
 ) -> Result<(), NotPositive> {
     clear_fixed(x, fixed);
-    system.solve(x, tolerance)
+    match x.iter().all(|x| *x == Vector3::zeros()) {
+        true => Ok(()),
+        false => system.solve(x, tolerance),
+    }
 }
 
 impl InteriorPoint {
@@ -248,7 +258,10 @@ impl InteriorPoint {
             let known = self.members.iter().any(|m| m.contact == index);
             if row.penalty > 0.0 && !known && is_taken(&self.inner, contact, row) {
                 self.candidates.push(index);
-                wanted += directions::directions(contact);
+                wanted += match is_frictionless(row) {
+                    true => 1,
+                    false => directions::directions(contact),
+                };
             }
         }
         let most = self.options.directions;
@@ -267,7 +280,7 @@ impl InteriorPoint {
         for k in 0..self.candidates.len() {
             let index = self.candidates[k];
             let (contact, row) = (&contacts[index], &rows[index]);
-            let member = match wanted > most {
+            let member = match wanted > most || is_frictionless(row) {
                 true => Member::along_normal(index, contact, &mut self.directions),
                 false => Member::new(index, contact, &mut self.directions),
             };

@@ -321,31 +321,38 @@ impl BladeState {
         self.strokes.retain(|(of, _)| *of != line);
     }
 
-    /// The parts of a tool's capsules that touch nothing, as what they cut lies around them.
+    /// The parts of a tool's capsules that touch nothing, as what they cut lies around them; of jaws that are clear of it or have closed on nothing, what would be pressed from one to the
+    /// other: what is between closed blades is cut.
     pub fn exemptions(&self, body: u32, tool: u32, lines: &[Lonor]) -> Vec<Exemption> {
-        let part = |capsule, range| Exemption {
+        let part = |capsule, range, towards| Exemption {
             body,
             tool,
             capsule,
             range,
+            towards,
         };
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
-        let mut parts: Vec<Exemption> = self.inside.iter().map(|&c| part(c, ALL)).collect();
+        let inside = self.inside.iter().map(|&c| part(c, ALL, None));
+        let mut parts: Vec<Exemption> = inside.collect();
         let jaws = Jaws::new(lines);
-        // Jaws that have closed on nothing are as solid as before.
-        if jaws.line().is_some_and(|line| self.is_under_way(line)) {
-            for (capsules, closed) in jaws.capsules().zip(&self.closed) {
-                let Some([first, last]) = *closed else {
-                    continue;
-                };
-                // Closed to an end the cap of the capsule there is passed too.
-                let first = if first <= 0.0 {
-                    f64::NEG_INFINITY
-                } else {
-                    first
-                };
-                let last = if last >= 1.0 { f64::INFINITY } else { last };
-                parts.extend(capsules.map(|capsule| part(capsule, [first, last])));
+        let Some(line) = jaws.line() else {
+            return parts;
+        };
+        let is_under_way = self.is_under_way(line);
+        for (capsules, closed) in jaws.capsules().zip(&self.closed) {
+            let Some([first, last]) = *closed else {
+                continue;
+            };
+            // Closed to an end the cap of the capsule there is passed too.
+            let first = if first <= 0.0 {
+                f64::NEG_INFINITY
+            } else {
+                first
+            };
+            let last = if last >= 1.0 { f64::INFINITY } else { last };
+            for (capsule, other) in [(capsules[0], capsules[1]), (capsules[1], capsules[0])] {
+                let towards = (!is_under_way).then_some(other);
+                parts.push(part(capsule, [first, last], towards));
             }
         }
         parts

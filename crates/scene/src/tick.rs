@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 enum Try {
     /// Tools follow their hands, in steps that are divided by this.
     Follow(u32),
-    /// Tools stay where they were.
+    /// Tools stay where they were. Not where the ticks before could not be computed either: tissue that is held beyond its solver would hold the tools for good.
     Stand,
     /// Tools touch nothing. Where a body diverges all the same in implicit steps, it goes only a part of the motion that was found.
     LetGo,
@@ -136,6 +136,7 @@ impl Scene {
         let is_tried = |(index, of): &(usize, Try)| match of {
             Try::Follow(_) => *index == 0 || repeats,
             // Without inertia nothing keeps tissue that is pressed ever further from an equilibrium that is not the right one.
+            Try::Stand if start.placements.is_slowest() => false,
             Try::Stand | Try::LetGo => self.containment && self.method.has_inertia(),
         };
         let tries = TRIES.into_iter().enumerate().filter(is_tried);

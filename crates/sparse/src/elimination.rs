@@ -61,22 +61,22 @@ fn elimination_tree(graph: &Graph, sequence: &[u32]) -> (Vec<u32>, Vec<u32>) {
 
 /// Depth-first order of a forest, children before parents, siblings in the order of their numbers.
 fn postorder(parent: &[u32]) -> Vec<u32> {
-    let mut children = vec![Vec::new(); parent.len()];
-    let mut roots = Vec::new();
+    // The children of each as a list, and the roots as those of a parent of all: the last one, and of each the one before.
+    let all = parent.len();
+    let mut last_child = vec![NONE; all + 1];
+    let mut before = vec![NONE; all];
     for (k, &p) in parent.iter().enumerate() {
-        let list = if p == NONE {
-            &mut roots
-        } else {
-            &mut children[p as usize]
-        };
-        list.push(k as u32);
+        let of_parent = &mut last_child[if p == NONE { all } else { p as usize }];
+        before[k] = std::mem::replace(of_parent, k as u32);
     }
     // Parents before children and the last sibling first: the reverse of the postorder.
-    let mut order = Vec::with_capacity(parent.len());
-    let mut stack = roots;
+    let mut order = Vec::with_capacity(all);
+    let mut stack = vec![last_child[all]];
     while let Some(k) = stack.pop() {
-        order.push(k);
-        stack.append(&mut children[k as usize]);
+        if k != NONE {
+            order.push(k);
+            stack.extend([before[k as usize], last_child[k as usize]]);
+        }
     }
     order.reverse();
     order
@@ -95,13 +95,16 @@ impl Supernodes {
     /// The maximal runs of columns k, k + 1 with parent(k) = k + 1 and no new coupling in column k + 1.
     fn find(graph: &Graph, sequence: &[u32], place: &[u32], parent: &[u32]) -> Self {
         let count = sequence.len();
-        let mut children = vec![Vec::new(); count];
+        // The children of a column so far as a list: the last one, and of each the one before.
+        let mut last_child = vec![NONE; count];
+        let mut before = vec![NONE; count];
         let mut structure: Vec<Vec<u32>> = vec![Vec::new(); count];
         let mut mark = vec![NONE; count];
         let mut owner: Vec<u32> = vec![NONE; count];
         let mut columns: Vec<Vec<u32>> = Vec::new();
+        let mut rows = Vec::new();
         for k in 0..count as u32 {
-            let mut rows = Vec::new();
+            rows.clear();
             mark[k as usize] = k;
             let mut take = |row: u32| {
                 if row > k && mark[row as usize] != k {
@@ -112,16 +115,18 @@ impl Supernodes {
             for &other in graph.neighbours(sequence[k as usize]) {
                 take(place[other as usize]);
             }
-            for &child in &children[k as usize] {
+            let last = last_child[k as usize];
+            let mut child = last;
+            while child != NONE {
                 structure[child as usize]
                     .iter()
                     .copied()
                     .for_each(&mut take);
+                child = before[child as usize];
             }
             rows.sort_unstable();
-            let continues = children[k as usize].last().is_some_and(|&child: &u32| {
-                child + 1 == k && structure[child as usize].len() == rows.len() + 1
-            });
+            let continues =
+                last != NONE && last + 1 == k && structure[last as usize].len() == rows.len() + 1;
             if continues {
                 structure[k as usize - 1] = Vec::new();
                 owner[k as usize] = owner[k as usize - 1];
@@ -130,9 +135,10 @@ impl Supernodes {
                 columns.push(Vec::new());
             }
             columns[owner[k as usize] as usize].push(k);
-            structure[k as usize] = rows;
+            structure[k as usize] = rows.clone();
             if parent[k as usize] != NONE {
-                children[parent[k as usize] as usize].push(k);
+                let of_parent = &mut last_child[parent[k as usize] as usize];
+                before[k as usize] = std::mem::replace(of_parent, k);
             }
         }
         let last = |columns: &Vec<u32>| *columns.last().expect("a supernode has a column") as usize;

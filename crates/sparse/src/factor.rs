@@ -4,6 +4,7 @@
 //! first; each takes the blocks of the matrix and the updates of its children, eliminates its own nodes with dense
 //! kernels, and leaves its update for its parent.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -51,8 +52,13 @@ pub struct Factor<T = f64> {
     own: Vec<Octet<T>>,
     below: Vec<Octet<T>>,
     sums: Vec<Octet<T>>,
-    /// L⁻¹ Jᵀ for a compliance, eight columns at a time.
+    /// J of the last compliance since the factorisation; L⁻¹ Jᵀ, eight columns at a time; the products of these columns, the lower triangle row by row.
+    rows: Vec<[(u32, Vector3<f64>); 4]>,
     halves: Vec<Octet<T>>,
+    products: Vec<f64>,
+    /// The fronts that any of them reaches, and the columns without the others.
+    reached: Vec<bool>,
+    gathered: Vec<Octet<T>>,
 }
 
 impl<T: Real> Factor<T> {
@@ -72,7 +78,11 @@ impl<T: Real> Factor<T> {
             own: vec![Octet::ZERO; triangle],
             below: vec![Octet::ZERO; below],
             sums: vec![Octet::ZERO; WIDTH * triangle],
+            rows: Vec::new(),
             halves: Vec::new(),
+            products: Vec::new(),
+            reached: vec![false; symbolic.fronts.len()],
+            gathered: Vec::new(),
             symbolic,
         }
     }
@@ -108,6 +118,7 @@ impl<T: Real> Factor<T> {
             assert_eq!(fixed.len(), symbolic.sequence.len(), "one mark per node");
         }
         self.valid = false;
+        self.rows.clear();
         for front in &symbolic.fronts {
             let panel = &mut self.panels[front.panel..][..front.panel_octets()];
             let triangle = front.triangle();
@@ -145,11 +156,11 @@ impl<T: Real> Factor<T> {
     }
 
     /// Solves L y = b in place for eight right-hand sides at once, in the order of elimination: one octet per number of a node. Fronts
-    /// that have nothing to do with them are passed over.
+    /// that have nothing to do with them are passed over, the others are marked in `reached`.
     ///
     /// # Panics
     /// When the last factorisation failed or there was none, or `x` does not have three octets per node.
-    pub(crate) fn solve_half(&mut self, x: &mut [Octet<T>]) {
+    pub(crate) fn solve_half(&mut self, x: &mut [Octet<T>], reached: &mut [bool]) {
         assert!(self.valid, "factorised before");
         let symbolic = &*self.symbolic;
         assert_eq!(
@@ -161,12 +172,13 @@ impl<T: Real> Factor<T> {
             symbolic,
             &self.panels,
             &mut self.sums,
-            x
+            x,
+            reached
         ));
     }
 
     /// Sets `compliance` to J A⁻¹ Jᵀ = (L⁻¹ Jᵀ)ᵀ (L⁻¹ Jᵀ), row by row; each row of J has the vectors of up to four nodes, of which those
-    /// marked in `fixed` are left out.
+    /// marked in `fixed`, as they were in the factorisation, are left out. Returns how many of the first rows it had from the call before, as contacts join others: they cost nothing.
     ///
     /// # Panics
     /// When the last factorisation failed or there was none.
@@ -175,13 +187,30 @@ impl<T: Real> Factor<T> {
         rows: &[[(u32, Vector3<f64>); 4]],
         fixed: &[bool],
         compliance: &mut Vec<f64>,
-    ) {
+    ) -> usize {
         let symbolic = self.symbolic.clone();
         let length = 3 * symbolic.sequence.len();
+        let both = self.rows.iter().zip(rows);
+        let known = both.take_while(|(before, row)| before == row).count();
+        // Eight columns are one side: one that is filled up is solved for again.
+        let sides = match known == rows.len() && known == self.rows.len() {
+            true => known.div_ceil(WIDTH),
+            false => known / WIDTH,
+        };
+        let known = known.min(WIDTH * sides);
+        self.rows.truncate(known);
+        self.rows.extend_from_slice(&rows[known..]);
+        self.products.truncate(row_start(known));
         let mut halves = std::mem::take(&mut self.halves);
-        halves.clear();
+        halves.truncate(sides * length);
         halves.resize(rows.len().div_ceil(WIDTH) * length, Octet::ZERO);
-        for (rows, half) in rows.chunks(WIDTH).zip(halves.chunks_exact_mut(length)) {
+        let before = self.reached.clone();
+        let mut reached = std::mem::take(&mut self.reached);
+        if sides == 0 {
+            reached.fill(false);
+        }
+        let new = halves[sides * length..].chunks_exact_mut(length.max(1));
+        for (rows, half) in rows[known..].chunks(WIDTH).zip(new) {
             for (lane, row) in rows.iter().enumerate() {
                 for (node, vector) in row.iter().filter(|(node, _)| !fixed[*node as usize]) {
                     let place = 3 * symbolic.place[*node as usize] as usize;
@@ -190,13 +219,47 @@ impl<T: Real> Factor<T> {
                     }
                 }
             }
-            self.solve_half(half);
+            self.solve_half(half, &mut reached);
         }
-        let length = gather_reached(&mut halves, length);
-        compliance.clear();
-        compliance.resize(rows.len() * rows.len(), 0.0);
-        multiply_halves(&halves, length, rows.len(), compliance);
+        if known < rows.len() {
+            let gathered = match reached == before {
+                true => sides,
+                false => 0,
+            };
+            let length = self.gather_reached(&halves, &reached, gathered);
+            multiply_halves(
+                &self.gathered,
+                length,
+                sides..rows.len().div_ceil(WIDTH),
+                rows.len(),
+                &mut self.products,
+            );
+        }
+        self.reached = reached;
         self.halves = halves;
+        spread_triangle(&self.products, rows.len(), compliance);
+        known
+    }
+
+    /// Gathers the places of these fronts from all columns, of which the first `sides` sides are gathered already; returns how many octets a side has, at least 1. The others add nothing to
+    /// a product of two columns: contacts in one region reach a part of the fronts.
+    fn gather_reached(&mut self, halves: &[Octet<T>], reached: &[bool], sides: usize) -> usize {
+        let symbolic = &*self.symbolic;
+        let length = 3 * symbolic.sequence.len();
+        let fronts = symbolic.fronts.iter().zip(reached);
+        let places = fronts.filter(|(_, reached)| **reached);
+        let places = places.map(|(front, _)| 3 * front.columns.start..3 * front.columns.end);
+        let shortened = places.clone().map(|places| places.len()).sum::<usize>();
+        self.gathered.truncate(sides * shortened.max(1));
+        for half in halves.chunks_exact(length.max(1)).skip(sides) {
+            for places in places.clone() {
+                self.gathered.extend_from_slice(&half[places]);
+            }
+            if shortened == 0 {
+                self.gathered.push(Octet::ZERO);
+            }
+        }
+        shortened.max(1)
     }
 
     /// Solves A x = b in place, in the numbering of the nodes.
@@ -253,12 +316,14 @@ fn solve_half_in<T: Real, const WIDE: bool>(
     panels: &[Octet<T>],
     sums: &mut [Octet<T>],
     x: &mut [Octet<T>],
+    reached: &mut [bool],
 ) {
-    for front in &symbolic.fronts {
+    for (front, reached) in symbolic.fronts.iter().zip(reached) {
         let columns = 3 * front.columns.start..3 * front.columns.end;
         if x[columns.clone()].iter().all(|octet| *octet == Octet::ZERO) {
             continue;
         }
+        *reached = true;
         let panel = &panels[front.panel..][..front.panel_octets()];
         let width = WIDTH * front.triangle();
         // Eight right-hand sides are a strip of rows below the triangle.
@@ -282,54 +347,58 @@ fn solve_half_in<T: Real, const WIDE: bool>(
     }
 }
 
-/// Writes the products of all pairs of `count` sides, of `length` octets per eight of them, into `compliance`, row by row.
+/// Appends to `products` those of the sides in `new`, of `length` octets each and of `count` columns in all, with themselves and all before, row by row.
 fn multiply_halves<T: Real>(
     halves: &[Octet<T>],
     length: usize,
+    new: Range<usize>,
     count: usize,
-    compliance: &mut [f64],
+    products: &mut Vec<f64>,
 ) {
-    widest!(multiply_halves_in::<T>(halves, length, count, compliance));
+    products.resize(row_start(count), 0.0);
+    widest!(multiply_halves_in::<T>(
+        halves, length, new, count, products
+    ));
 }
 
 #[inline(always)]
 fn multiply_halves_in<T: Real, const WIDE: bool>(
     halves: &[Octet<T>],
     length: usize,
+    new: Range<usize>,
     count: usize,
-    compliance: &mut [f64],
+    products: &mut [f64],
 ) {
-    for (i, a) in halves.chunks_exact(length).enumerate() {
+    for i in new {
+        let a = &halves[i * length..][..length];
         for (j, b) in halves.chunks_exact(length).take(i + 1).enumerate() {
             let tile = T::product::<WIDE>(a, b);
             for (row, lane) in (WIDTH * i..count).zip(0..WIDTH) {
-                for (column, values) in (WIDTH * j..count).zip(&tile) {
-                    let value = values.0[lane].to_f64();
-                    compliance[row * count + column] = value;
-                    compliance[column * count + row] = value;
+                let row = &mut products[row_start(row)..row_start(row + 1)];
+                for (product, values) in row[WIDTH * j..].iter_mut().zip(&tile) {
+                    *product = values.0[lane].to_f64();
                 }
             }
         }
     }
 }
 
-/// Moves the places at which any of the right-hand sides, of `length` octets each, is not zero to the front of each side; returns how many they are, at least 1. The others add nothing to a product of two
-/// sides: contacts in one region reach a part of the fronts.
-fn gather_reached<T: Real>(halves: &mut Vec<Octet<T>>, length: usize) -> usize {
-    let sides = halves.len() / length.max(1);
-    let is_reached = |place: &usize| {
-        let mut of_all = halves[*place..].iter().step_by(length);
-        of_all.any(|octet| *octet != Octet::ZERO)
-    };
-    let reached: Vec<usize> = (0..length.min(halves.len())).filter(is_reached).collect();
-    let shortened = reached.len().max(1);
-    for side in 0..sides {
-        for (k, place) in reached.iter().enumerate() {
-            halves[side * shortened + k] = halves[side * length + place];
+/// Where row `i` of a lower triangle begins.
+fn row_start(i: usize) -> usize {
+    i * (i + 1) / 2
+}
+
+/// Writes the symmetric matrix of `count` rows that has this lower triangle.
+fn spread_triangle(triangle: &[f64], count: usize, matrix: &mut Vec<f64>) {
+    matrix.clear();
+    matrix.resize(count * count, 0.0);
+    for i in 0..count {
+        let row = &triangle[row_start(i)..row_start(i + 1)];
+        matrix[i * count..][..=i].copy_from_slice(row);
+        for (j, value) in row.iter().enumerate() {
+            matrix[j * count + i] = *value;
         }
     }
-    halves.truncate(sides * shortened);
-    shortened
 }
 
 /// Copies numbers into octets; the last octet is filled up with zeros.

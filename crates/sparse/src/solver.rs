@@ -277,13 +277,14 @@ impl LinearSolver {
         rows: &[[(u32, Vector3<f64>); 4]],
         compliance: &mut Vec<f64>,
     ) -> bool {
-        self.operations += self.compliance_operations(rows.len());
         let fixed = &self.fixed;
-        match (self.method, &mut self.single, &mut self.double) {
+        let known = match (self.method, &mut self.single, &mut self.double) {
             (Method::FactorF32, Some(factor), _) => factor.set_compliance(rows, fixed, compliance),
             (Method::FactorF64, _, Some(factor)) => factor.set_compliance(rows, fixed, compliance),
             _ => return false,
-        }
+        };
+        self.operations +=
+            self.compliance_operations(rows.len()) - self.compliance_operations(known);
         true
     }
 

@@ -205,12 +205,24 @@ impl Symbolic {
     /// The places of the matrix' blocks in the panels.
     fn map_entries(&mut self) {
         let place = |node: u32| self.place[node as usize] as usize;
-        // The blocks (slot and nodes) by the place of their column, which is the earlier of their two nodes.
-        let mut columns: Vec<Vec<(u32, [u32; 2])>> = vec![Vec::new(); self.sequence.len()];
+        // The blocks (slot and nodes) by the place of their column, which is the earlier of their two nodes: those of column k are `blocks[starts[k]..starts[k + 1]]`.
+        let slots = |i: usize| self.pattern.row(i).iter().zip(self.pattern.first_slot(i)..);
+        let mut starts = vec![0; self.sequence.len() + 1];
         for i in 0..self.pattern.nodes() {
-            for (k, &j) in self.pattern.row(i).iter().enumerate() {
-                let slot = (self.pattern.first_slot(i) + k) as u32;
-                columns[place(i as u32).min(place(j))].push((slot, [i as u32, j]));
+            for (&j, _) in slots(i) {
+                starts[place(i as u32).min(place(j)) + 1] += 1;
+            }
+        }
+        for k in 0..self.sequence.len() {
+            starts[k + 1] += starts[k];
+        }
+        let mut ends = starts.clone();
+        let mut blocks = vec![(0, [0; 2]); self.pattern.blocks()];
+        for i in 0..self.pattern.nodes() {
+            for (&j, slot) in slots(i) {
+                let end = &mut ends[place(i as u32).min(place(j))];
+                blocks[*end] = (slot as u32, [i as u32, j]);
+                *end += 1;
             }
         }
         let mut below = vec![0; self.sequence.len()];
@@ -223,8 +235,8 @@ impl Symbolic {
                 below[row as usize] = k;
             }
             let start = self.entries.len();
-            for (k, blocks) in columns[front.columns.clone()].iter().enumerate() {
-                for &(slot, nodes) in blocks {
+            for (k, column) in front.columns.clone().enumerate() {
+                for &(slot, nodes) in &blocks[starts[column]..starts[column + 1]] {
                     let [i, j] = nodes.map(&place);
                     let targets = std::array::from_fn(|a| {
                         let row = i.max(j);

@@ -367,6 +367,47 @@ fn compliance_is_that_of_the_dense_inverse() {
     assert!((found - &expected).norm() <= bound * expected.norm());
 }
 
+/// Rows that join, that change and that go, one by one and many at once: always the bits of a factor that has not seen any before.
+#[test]
+fn compliance_of_more_rows_is_that_of_all_at_once() {
+    let mut random = Congruential(77);
+    let matrix = random_matrix(&mut random, 40, 120, 0.5);
+    let pattern = matrix.pattern().clone();
+    let ordering = Ordering::nested_dissection(&pattern, None);
+    let fixed: Vec<bool> = (0..40).map(|node| node % 7 == 0).collect();
+    let mut of_all = factor(&pattern, &ordering);
+    of_all.factorise(&matrix, Some(&fixed)).unwrap();
+    let mut row = || -> [(u32, Vector3<f64>); 4] {
+        std::array::from_fn(|_| (random.below(40) as u32, random.vector()))
+    };
+    let mut rows: Vec<_> = (0..5).map(|_| row()).collect();
+    let mut known = Vec::new();
+    for (remain, join) in [
+        (5, 0),
+        (5, 3),
+        (8, 0),
+        (8, 9),
+        (17, 1),
+        (12, 7),
+        (3, 0),
+        (3, 21),
+    ] {
+        rows.truncate(remain);
+        rows.extend((0..join).map(|_| row()));
+        let mut found = Vec::new();
+        known.push(of_all.set_compliance(&rows, &fixed, &mut found));
+        let mut fresh = factor(&pattern, &ordering);
+        fresh.factorise(&matrix, Some(&fixed)).unwrap();
+        let mut expected = Vec::new();
+        assert_eq!(fresh.set_compliance(&rows, &fixed, &mut expected), 0);
+        assert!(found == expected && found.len() == rows.len() * rows.len());
+    }
+    // Whole sides of eight, and all where nothing has changed.
+    assert_eq!(known, [0, 0, 8, 8, 16, 8, 0, 0]);
+    of_all.factorise(&matrix, Some(&fixed)).unwrap();
+    assert_eq!(of_all.set_compliance(&rows, &fixed, &mut Vec::new()), 0);
+}
+
 /// Eight sides at once and the products of sides, by the kernels of both widths of registers.
 #[test]
 fn sides_are_the_same_bits_in_registers_of_every_width() {
@@ -382,14 +423,16 @@ fn sides_are_the_same_bits_in_registers_of_every_width() {
         .collect();
     sides[1] = sides[0].clone();
     sides[2] = sides[0].clone();
-    factor.solve_half(&mut sides[0]);
+    let mut reached = [(); 3].map(|()| vec![false; factor.symbolic.fronts.len()]);
+    factor.solve_half(&mut sides[0], &mut reached[0]);
     let (symbolic, panels, sums) = (&*factor.symbolic, &factor.panels, &mut factor.sums);
-    solve_half_in::<f64, false>(symbolic, panels, sums, &mut sides[1]);
-    solve_half_in::<f64, true>(symbolic, panels, sums, &mut sides[2]);
+    solve_half_in::<f64, false>(symbolic, panels, sums, &mut sides[1], &mut reached[1]);
+    solve_half_in::<f64, true>(symbolic, panels, sums, &mut sides[2], &mut reached[2]);
+    assert!(reached[0] == reached[1] && reached[0] == reached[2]);
     assert!(sides[0] == sides[1] && sides[0] == sides[2]);
-    let mut products = [(); 3].map(|()| vec![0.0; 7 * 7]);
-    multiply_halves(&sides[0], length, 7, &mut products[0]);
-    multiply_halves_in::<f64, false>(&sides[0], length, 7, &mut products[1]);
-    multiply_halves_in::<f64, true>(&sides[0], length, 7, &mut products[2]);
+    let mut products = [(); 3].map(|()| vec![0.0; row_start(7)]);
+    multiply_halves(&sides[0], length, 0..1, 7, &mut products[0]);
+    multiply_halves_in::<f64, false>(&sides[0], length, 0..1, 7, &mut products[1]);
+    multiply_halves_in::<f64, true>(&sides[0], length, 0..1, 7, &mut products[2]);
     assert!(products[0] == products[1] && products[0] == products[2]);
 }

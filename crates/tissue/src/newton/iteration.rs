@@ -49,6 +49,16 @@ impl NewtonSolver {
         self.contacts.prefers_interior_point =
             equation.rate > 0.0 && !newton.must_converge && !self.effort.augmented_lagrangian;
         self.find(&problem, contact.as_mut());
+        if self.contacts.is_empty() && fixed.iter().all(|fixed| *fixed) {
+            // No equation for any node.
+            self.place(&problem, ends);
+            let residual = self.evaluate(&problem, 0.0);
+            self.publish(&problem);
+            return Ok(StepReport {
+                residual,
+                ..StepReport::without_residual(0)
+            });
+        }
         let tolerances = Tolerances {
             residual: newton.tolerance,
             changes: match newton.must_converge {
