@@ -22,7 +22,7 @@ const ALWAYS: usize = 3;
 const LOOKS: usize = 128;
 
 impl Scene {
-    /// Merges nodes of bodies that were cut, at the end of a tick that began at `start` \[s\] and has taken so much `work` \[s\].
+    /// Merges nodes of bodies that were cut before, at the end of a tick without a cut that began at `start` \[s\] and has taken so much `work` \[s\].
     pub(crate) fn coarsen(&mut self, start: f64, work: f64) {
         // The casts saturate.
         let turn = (self.state.time / PERIOD) as usize;

@@ -239,7 +239,9 @@ impl Scene {
                     cuts.extend(torn.reports());
                     cuts.iter_mut().for_each(|cut| cut.valid = valid);
                     self.state.time = start.time + tick_s;
-                    self.coarsen(start.time, budget.spent);
+                    if cuts.is_empty() {
+                        self.coarsen(start.time, budget.spent);
+                    }
                     return Ok(TickReport {
                         contacts,
                         cuts,
