@@ -106,7 +106,7 @@ impl ConeProgram {
 
     /// Sets `forces` \[N\], which holds a guess of them, for the compliance `compliance` \[m/N\], row after row, with `regularisation` \[m/N\] that each
     /// contact has by itself, and the motions `motions` \[m\] without forces: along a normal the gap above its floor. A cone publishes what became
-    /// of it. Returns whether the forces are found to `tolerance`; if not, as where numbers are not finite, they stay the guess.
+    /// of it. Returns whether the forces are found; if not, as where numbers are not finite, they stay the guess.
     pub fn solve(
         &mut self,
         compliance: &[f64],
@@ -114,15 +114,12 @@ impl ConeProgram {
         motions: &[f64],
         cones: &mut [Cone],
         forces: &mut [f64],
-        tolerance: f64,
     ) -> bool {
         self.begin(compliance, regularisation, motions, cones, forces);
-        self.enter(cones);
         // From a guess on the boundary iterates may stick to it.
-        let found = self.iterate(cones, tolerance) || {
+        let found = self.iterate(cones) || {
             self.forces.fill(0.0);
-            self.enter(cones);
-            self.iterate(cones, tolerance)
+            self.iterate(cones)
         };
         if found {
             self.finish(cones, forces);
@@ -130,20 +127,12 @@ impl ConeProgram {
         found
     }
 
-    /// Goes on from a solution to a smaller tolerance.
-    pub fn refine(&mut self, cones: &mut [Cone], forces: &mut [f64], tolerance: f64) -> bool {
-        let found = self.iterate(cones, tolerance);
-        if found {
-            self.finish(cones, forces);
-        }
-        found
-    }
-
-    /// Iterates from where it is; returns whether the conditions are met.
-    fn iterate(&mut self, cones: &mut [Cone], tolerance: f64) -> bool {
+    /// Iterates from the forces as a guess; returns whether the conditions are met.
+    fn iterate(&mut self, cones: &mut [Cone]) -> bool {
+        self.enter(cones);
         for _ in 0..self.options.iterations {
             self.set_motions();
-            if self.residual(cones) <= tolerance {
+            if self.residual(cones) <= self.options.tolerance {
                 return true;
             }
             if !self.advance(cones) {

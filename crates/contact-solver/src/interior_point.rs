@@ -319,37 +319,25 @@ impl InteriorPoint {
             *motion -= own * before;
         }
         self.forces.clone_from(&self.before);
-        let is_fixed = |member: &Member| member.count == 1 || rows[member.contact].has_fixed_bound;
-        let updates = match self.members.iter().all(is_fixed) {
-            true => 1,
-            false => self.options.bound_updates,
-        };
-        let tolerance = self.options.tolerance;
-        for update in 0..updates {
+        for update in 0..self.options.bound_updates {
             for (member, cone) in self.members.iter().zip(&self.cones) {
                 if cone.bound == 0.0 {
                     self.forces[member.first + 1..][..member.count - 1].fill(0.0);
                 }
             }
-            let is_last = update + 1 == updates;
             let found = self.program.solve(
                 &self.delassus,
                 &self.regularisation,
                 &self.motions,
                 &mut self.cones,
                 &mut self.forces,
-                match is_last {
-                    true => tolerance,
-                    false => self.options.rough_tolerance,
-                },
             );
-            if is_last || !found {
-                return found;
+            let last = update + 1 == self.options.bound_updates;
+            if !found {
+                return false;
             }
-            if self.has_consistent_bounds(contacts, rows) {
-                return self
-                    .program
-                    .refine(&mut self.cones, &mut self.forces, tolerance);
+            if last || self.has_consistent_bounds(contacts, rows) {
+                break;
             }
             for (member, cone) in self.members.iter().zip(&mut self.cones) {
                 if member.count > 1 && !rows[member.contact].has_fixed_bound {

@@ -78,8 +78,6 @@ pub struct InteriorPointOptions {
     /// What may be left of displacements, relative to the largest of them, and of complementarity products, relative to those at the
     /// start; in 1e-12..1e-4. Each digit costs one or two iterations.
     pub tolerance: f64,
-    /// The same where friction bounds are yet to be updated, for which a few digits of the normal forces are enough; from `tolerance` to 1e-2.
-    pub rough_tolerance: f64,
     /// What may be left of them where rounding ends the iterations; in 1e-8..1e-4.
     pub rounding: f64,
     /// Fraction of the step to the boundary of the admissible set that is taken; in 0.9..1. Larger values converge faster until iterates
@@ -190,7 +188,6 @@ impl Default for InteriorPointOptions {
             bound_tolerance: 1e-3,
             iterations: 50,
             tolerance: 1e-9,
-            rough_tolerance: 1e-4,
             rounding: 1e-6,
             step_to_boundary: 0.99,
         }

@@ -69,7 +69,6 @@ impl Case {
             &self.motions,
             &mut self.cones,
             &mut forces,
-            options.tolerance,
         );
         (found, forces)
     }
@@ -283,7 +282,6 @@ fn nothing_to_solve_and_nothing_to_be_solved() {
             &case.motions,
             &mut case.cones,
             &mut forces,
-            InteriorPointOptions::default().tolerance,
         );
         assert!(!found);
         assert_eq!(forces, vec![0.25; 9], "the guess stays");
