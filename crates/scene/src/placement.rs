@@ -94,11 +94,6 @@ impl Placements {
         self.pace = (self.pace * SLOWED).max(SLOWEST);
     }
 
-    /// Whether so many ticks in a row could not be computed that tools become no slower.
-    pub fn is_slowest(&self) -> bool {
-        self.pace <= SLOWEST
-    }
-
     /// After one whose forces mean nothing: no more than a part, but slower and slower would leave them where they are what cannot be computed.
     pub fn ease(&mut self) {
         self.pace = (2.0 * self.pace).min(SLOWED);

@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 enum Try {
     /// Tools follow their hands, in steps that are divided by this.
     Follow(u32),
-    /// Tools stay where they were. Not where the ticks before could not be computed either: tissue that is held beyond its solver would hold the tools for good.
+    /// Tools stay where they were.
     Stand,
     /// Tools touch nothing. Where a body diverges all the same in implicit steps, it goes only a part of the motion that was found.
     LetGo,
@@ -44,7 +44,7 @@ impl Scene {
     /// Advances by one tick of `tick_s` \[s\] in `steps` solver's steps, divided further where a tool is fast.
     ///
     /// A tool without a motion touches nothing. Each step takes the tools' poses from the interpolated motion. When a body
-    /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help it is computed with the tools where they were (unless several ticks before were, too), and else with tools that touch nothing, of which the bodies go as large a part, halved and halved again, as none diverges in; when there is no such part either the
+    /// diverges, or, without containment, an implicit step does not converge, the tick is repeated from its start with shorter steps, and the report lists it; when that does not help it is computed with the tools where they were, and else with tools that touch nothing, of which the bodies go as large a part, halved and halved again, as none diverges in; when there is no such part either the
     /// scene stays at the start of the tick, where after implicit steps the bodies are at rest that diverged, without shreds that ruptured meanwhile, and the error describes what happened; the next tick may go on from there. A tick whose forces
     /// mean nothing ([`SolverBounds`](crate::SolverBounds)) is repeated without the shreds that failed in it, and else once with steps of half the length, four times the iterations and, where the interior-point method has found no forces, the augmented Lagrangian method of contact, and not [`valid`](TickReport::valid) if
     /// that does not help; then those that follow are not repeated until one is valid, so that a scene beyond its solver costs no multiple; where there is inertia tools make a quarter of their motions in the next tick, so that less has to be computed, twice as much after each valid one, and ticks are repeated again where it is all.
@@ -136,7 +136,6 @@ impl Scene {
         let is_tried = |(index, of): &(usize, Try)| match of {
             Try::Follow(_) => *index == 0 || repeats,
             // Without inertia nothing keeps tissue that is pressed ever further from an equilibrium that is not the right one.
-            Try::Stand if start.placements.is_slowest() => false,
             Try::Stand | Try::LetGo => self.containment && self.method.has_inertia(),
         };
         let tries = TRIES.into_iter().enumerate().filter(is_tried);

@@ -429,34 +429,3 @@ fn a_tool_does_not_move_what_a_grip_holds() {
         assert!((p - rest).norm() < 1e-15, "{p} {rest}");
     }
 }
-
-/// A block of 10¹² kg/m³, which nothing moves but its inertia, has such velocities that every try but one with tools that touch nothing turns it inside out (p → −2p). Where the ticks before have
-/// been such ones, too, and tools are at their slowest, there is no try with tools that stand: they would be held for good.
-#[test]
-fn tools_at_their_slowest_do_not_stand_once_more() {
-    let mut spec = strip([2, 2, 2], false);
-    spec.gravity = [0.0; 3];
-    spec.method = Method::ImplicitEuler(Newton {
-        must_converge: false,
-        ..Newton::default()
-    });
-    spec.containment = true;
-    let body = &mut spec.bodies[0];
-    body.clamps.clear();
-    body.drag = 0.0;
-    body.materials
-        .iter_mut()
-        .for_each(|(_, of)| of.density = 1e12);
-    // In steps of a whole, a half, a quarter and an eighth, with tools that stand, and with tools that touch nothing.
-    for (pace, repetitions) in [(1.0, 5), (0.25, 2), (1.0 / 16.0, 2), (1.0 / 64.0, 1)] {
-        let mut scene = Scene::new(&spec).unwrap();
-        scene.state.placements.pace = pace;
-        let state = &mut scene.state.bodies[0];
-        for (v, p) in state.velocities.iter_mut().zip(&state.positions) {
-            *v = -3.0 * p / TICK;
-        }
-        let report = scene.tick(&[], TICK, 1, &Serial).unwrap();
-        assert!(report.stands && !report.valid, "{report:?}");
-        assert_eq!(report.repetitions, repetitions, "{pace}: {report:?}");
-    }
-}
