@@ -3,7 +3,7 @@
 use microsim_contact::{CapsuleMotion, Partner, Point};
 use nalgebra::Vector3;
 
-/// Cosine of the angle around the direction to the other blade within which a normal presses towards it.
+/// Cosine of the angle around the direction to the other blade within which a normal presses towards it: 60°, as an edge is sharp within. A judgement.
 const BETWEEN: f64 = 0.5;
 
 /// Part of a capsule that touches nothing, or nothing that it would press towards another one.
