@@ -116,6 +116,11 @@ pub trait ContactSource {
     /// order that depends on the geometry alone, with the last [`normal_force`](Contact::normal_force) of each and its
     /// [`friction_force`](Contact::friction_force) at the start of the step.
     fn find(&mut self, step_fraction: f64, positions: &[Vector3<f64>], contacts: &mut Vec<Contact>);
+
+    /// Whether the forces of these contacts, those found last, are so much larger than those of a moment ago that they count only where the equation is solved.
+    fn has_jumped(&self, _contacts: &[Contact]) -> bool {
+        false
+    }
 }
 
 /// Contact in a step of time or load.

@@ -52,6 +52,12 @@ impl Scene {
         let mut loads = EdgeLoads::default();
         let mut solver = SolverReport::default();
         self.exempt_blades(&planned);
+        let jump_limits = self.jump_limits();
+        for group in &mut self.groups {
+            if let Some(contact) = &mut group.contact {
+                contact.jump_limits.clone_from(&jump_limits);
+            }
+        }
         // Without containment nobody asks what was there at the start: energies of all elements are not free.
         let watched = match self.containment {
             true => self.bodies.as_slice(),
@@ -68,9 +74,6 @@ impl Scene {
             if let Some(watch) = watches.get_mut(pair.body) {
                 watch.is_held();
             }
-        }
-        if course.is_let_go {
-            watches.iter_mut().for_each(Watch::lets_go);
         }
         let mut tallies = vec![Tally::default(); self.pairs.len()];
         let mut stiffer = vec![false; self.groups.len()];

@@ -133,6 +133,8 @@ pub(crate) struct GroupContact {
     end_to_end: Vec<[u32; 2]>,
     /// Friction and response of each pair of the scene.
     laws: Vec<(f64, Response)>,
+    /// Of each pair of the scene, the force and the grip \[N\] from which on they have jumped since the last tick.
+    pub jump_limits: Vec<[f64; 2]>,
     /// The tools that touch anything here.
     tools: Vec<usize>,
     /// Whether only tools touch anything here.
@@ -257,6 +259,7 @@ impl GroupContact {
             detector,
             pair_of,
             end_to_end,
+            jump_limits: Vec::new(),
             laws: pairs
                 .iter()
                 .map(|pair| (pair.friction, pair.response.of_contact()))
@@ -518,6 +521,24 @@ impl ContactSource for Source<'_> {
             contact.offset = contact.gap(positions) - point.gap;
             contact
         }));
+    }
+
+    fn has_jumped(&self, contacts: &[Contact]) -> bool {
+        let mut sums: BTreeMap<usize, (Vector3<f64>, f64)> = BTreeMap::new();
+        for (point, contact) in self.of.points.iter().zip(contacts) {
+            if let Some((pair, _)) = self.of.pair(&point.key) {
+                let (force, size) = sums.entry(pair).or_default();
+                *force += contact.force();
+                *size += contact.normal_force;
+            }
+        }
+        sums.iter().any(|(&pair, (force, size))| {
+            let Some(&[most_force, most_grip]) = self.of.jump_limits.get(pair) else {
+                return false;
+            };
+            // What the contacts press against each other is twice the grip of two jaws.
+            force.norm() >= most_force || 0.5 * (size - force.norm()) >= most_grip
+        })
     }
 }
 

@@ -1,9 +1,10 @@
 //! Whether the forces of a tick mean anything.
 
 use crate::force_window::WindowTick;
+use crate::pairs::PairPartner;
 use crate::report::{ContactPartner, ContactReport, SolverReport};
 use crate::scene::Scene;
-use microsim_tissue::ResidualBounds;
+use microsim_tissue::{ResidualBounds, SolutionBounds};
 use nalgebra::Vector3;
 
 /// Up to where the forces of a tick mean something. The bounds of residuals were set before any run was judged by them but that of jumps, which replaced the tolerance
@@ -19,11 +20,8 @@ pub struct SolverBounds {
     pub jump_force: f64,
     /// By default three: no hand is so fast within the 8 ms of a tick.
     pub jump_ratio: f64,
-    /// What has jumped is what the equations have as their solution where no more is left of them than this: of the residual relative to the forces, and of the multiplier residual of
-    /// contacts relative to the mean edge length. By default a hundredth.
-    pub jump_residual: f64,
-    /// And no more than this of the residual itself \[N\]. By default 3 mN, a tenth of [`jump_force`](Self::jump_force).
-    pub jump_force_residual: f64,
+    /// What has jumped is what the equations have as their solution where no more is left of them than this.
+    pub jump: SolutionBounds,
     /// A force of a tool so many times that of the hand is one that no hand has pushed with. By default two: a hand yields a step later.
     pub hand_ratio: f64,
 }
@@ -35,8 +33,7 @@ impl Default for SolverBounds {
             contact_residual: 0.1,
             jump_force: 0.03,
             jump_ratio: 3.0,
-            jump_residual: 0.01,
-            jump_force_residual: 3e-3,
+            jump: SolutionBounds::default(),
             hand_ratio: 2.0,
         }
     }
@@ -51,19 +48,16 @@ impl SolverReport {
 
     /// Whether even a force that has jumped is what the equations have as their solution.
     fn is_solved(&self, bounds: &SolverBounds) -> bool {
-        let is_near = self.residual <= bounds.jump_residual
-            && self.force_residual <= bounds.jump_force_residual
-            && self.contact_residual <= bounds.jump_residual;
+        let [relative, force] = [self.residual, self.force_residual];
+        let is_near = bounds.jump.hold(relative, force, self.contact_residual);
         self.unconverged == 0 || is_near
     }
 }
 
-/// Whether a force or grip \[N\] has jumped up from the last tick to this one.
-fn has_jumped(last: Option<&WindowTick>, force: f64, grip: f64, bounds: &SolverBounds) -> bool {
-    let jumps =
-        |now: f64, before: f64| now >= bounds.jump_force && now >= bounds.jump_ratio * before;
-    jumps(force, last.map_or(0.0, |last| last.force.norm()))
-        || jumps(grip, last.map_or(0.0, |last| last.grip))
+/// The force and the grip \[N\] from which on they have jumped up since the last tick.
+fn jump_limits(last: Option<&WindowTick>, bounds: &SolverBounds) -> [f64; 2] {
+    let last = last.map_or([0.0; 2], |last| [last.force.norm(), last.grip]);
+    last.map(|last| bounds.jump_force.max(bounds.jump_ratio * last))
 }
 
 impl Scene {
@@ -81,17 +75,25 @@ impl Scene {
         let jumps = || {
             of_tools().any(|(pair, found)| {
                 let force = Vector3::from(found.force_on_tissue).norm();
-                has_jumped(
-                    self.state.windows[pair].ticks.last(),
-                    force,
-                    found.grip_n,
-                    &bounds,
-                )
+                let last = self.state.windows[pair].ticks.last();
+                let [most_force, most_grip] = jump_limits(last, &bounds);
+                force >= most_force || found.grip_n >= most_grip
             })
         };
         solver.is_within(&bounds)
             && !of_tools().any(is_pushed)
             && (solver.is_solved(&bounds) || !jumps())
+    }
+
+    /// Of each pair, the [`jump_limits`] \[N\]; those that are not with a tool have none.
+    pub(crate) fn jump_limits(&self) -> Vec<[f64; 2]> {
+        let bounds = SolverBounds::default();
+        let pairs = self.pairs.iter().zip(&self.state.windows);
+        let limits = pairs.map(|(pair, window)| match pair.with {
+            PairPartner::Tool(_) => jump_limits(window.ticks.last(), &bounds),
+            _ => [f64::INFINITY; 2],
+        });
+        limits.collect()
     }
 
     /// Adds the forces of a tick of `length` \[s\] to the windows of their pairs, unless they mean nothing, and writes the means over these windows
@@ -189,7 +191,8 @@ mod tests {
     fn jumps_are_large_and_sudden() {
         let bounds = SolverBounds::default();
         let jumps = |last: Option<&WindowTick>, force: f64, grip: f64| {
-            has_jumped(last, force, grip, &bounds)
+            let [most_force, most_grip] = jump_limits(last, &bounds);
+            force >= most_force || grip >= most_grip
         };
         assert!(jumps(None, 0.03, 0.0) && !jumps(None, 0.029, 0.0));
         let last = WindowTick {

@@ -114,7 +114,7 @@ pub use newton::{
     LineSearchOptions, Newton, NewtonContactOptions, NewtonOptions, SecondOrderOptions,
 };
 pub use range::MaterialError;
-pub use solver::{Effort, ResidualBounds, Solver, StepFailure, StepReport};
+pub use solver::{Effort, ResidualBounds, SolutionBounds, Solver, StepFailure, StepReport};
 pub use solver_explicit::{Scheme, SolverExplicit};
 pub use solver_implicit::{DistortionOptions, ImplicitScheme, SolverImplicit};
 pub use solver_quasi_static::{QuasiStaticOptions, SolverQuasiStatic};

@@ -154,6 +154,34 @@ impl ResidualBounds {
     }
 }
 
+/// Up to where the forces of a step are those that the equations have as their solution: below all of these.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolutionBounds {
+    /// Residual relative to the forces. By default a hundredth.
+    pub relative: f64,
+    /// The residual itself \[N\]. By default 3 mN, a tenth of what levels count as excess.
+    pub force: f64,
+    /// Multiplier residual of contacts, relative to the mean edge length. By default a hundredth.
+    pub contact: f64,
+}
+
+impl Default for SolutionBounds {
+    fn default() -> Self {
+        Self {
+            relative: 0.01,
+            force: 3e-3,
+            contact: 0.01,
+        }
+    }
+}
+
+impl SolutionBounds {
+    /// Whether a residual, relative to the forces and itself \[N\], and that of the contacts are within them; what is no number is not.
+    pub fn hold(&self, relative: f64, force: f64, contact: f64) -> bool {
+        relative <= self.relative && force <= self.force && contact <= self.contact
+    }
+}
+
 /// What a step took, and how far it is from the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {

@@ -92,7 +92,12 @@ impl NewtonSolver {
             true => options.least_scale,
             false => 0.0,
         };
-        while report.iterations < most || self.needs_more(most, &report, may_end_early) {
+        let more = most.saturating_add(options.contact.more_iterations);
+        while report.iterations < most
+            || report.iterations < more
+                && (self.needs_more(&report, may_end_early)
+                    || may_end_early && self.has_unsolved_jump(&report, contact.as_ref()))
+        {
             // What must converge fails if it is cut short, and takes more in the end.
             if report.iterations > 0 && self.work >= self.allowed_work {
                 report.is_cut_short = true;
@@ -141,7 +146,11 @@ impl NewtonSolver {
             // Where forces are small the residual relative to them means little.
             let overlaps = self.contacts.overlap() > options.contact.overlap;
             let admissible = report.residual.is_finite() && !overlaps;
-            if full_early && admissible && self.is_short(options.contact.still) {
+            if full_early
+                && admissible
+                && self.is_short(options.contact.still)
+                && !self.has_unsolved_jump(&report, contact.as_ref())
+            {
                 self.publish(&problem);
                 return Ok(report);
             }
@@ -184,12 +193,26 @@ impl NewtonSolver {
         Ok(report)
     }
 
-    /// Whether overlaps, or in a step that `may_end_early` forces that mean nothing, take more iterations than the `most` that were asked for.
-    fn needs_more(&self, most: u32, report: &StepReport, may_end_early: bool) -> bool {
+    /// Whether overlaps, or in a step that `may_end_early` forces that mean nothing, take more iterations than were asked for.
+    fn needs_more(&self, report: &StepReport, may_end_early: bool) -> bool {
         let options = &self.options.contact;
-        let means_nothing = may_end_early && self.means_nothing(report);
-        report.iterations < most.saturating_add(options.more_iterations)
-            && (self.contacts.overlap() > options.overlap || means_nothing)
+        self.contacts.overlap() > options.overlap || may_end_early && self.means_nothing(report)
+    }
+
+    /// Whether a force of contact has jumped, and the step would end with one that the equation does not have as its solution.
+    fn has_unsolved_jump(
+        &mut self,
+        report: &StepReport,
+        contact: Option<&EquationContact<'_>>,
+    ) -> bool {
+        let bounds = &self.options.contact.jump;
+        let [relative, force] = [report.residual, report.force_residual];
+        if bounds.hold(relative, force, report.contact_residual) {
+            return false;
+        }
+        // With the friction that it would end with.
+        self.contacts.publish();
+        contact.is_some_and(|of| of.source.has_jumped(&self.contacts.contacts))
     }
 
     /// Whether the forces of an early-terminated step would mean nothing if it ended here.

@@ -3,7 +3,7 @@
 //! "Measured" means: chosen by runs of the shipped scenes and of `cargo xtask bench solvers`. Lengths are relative to the mean edge length
 //! of the body, forces to all forces of the equation.
 
-use crate::solver::ResidualBounds;
+use crate::solver::{ResidualBounds, SolutionBounds};
 use microsim_contact_solver::ContactOptions;
 
 /// How far Newton's method iterates in a step: number of iterations, tolerance.
@@ -110,6 +110,8 @@ pub struct NewtonContactOptions {
     /// In an early-terminated step of time a larger residual at the end does, too: its forces would mean nothing, and to begin again with
     /// shorter steps takes more. Where tools tremble it is what the first iterations leave of a surface that has turned.
     pub residual: ResidualBounds,
+    /// In an early-terminated step of time a larger residual does, too, where [a force of contact has jumped](microsim_contact_solver::ContactSource::has_jumped).
+    pub jump: SolutionBounds,
     /// So many iterations more.
     pub more_iterations: u32,
     /// How often contacts are found for one equation; at least 1. Then they retain features and normals: features of equal distance could
@@ -174,6 +176,7 @@ impl Default for NewtonOptions {
                 friction_tolerance: 1e-2,
                 overlap: 0.02,
                 residual: ResidualBounds::default(),
+                jump: SolutionBounds::default(),
                 more_iterations: 6,
                 searches: 5,
                 early_searches: 4,
