@@ -56,6 +56,8 @@ pub struct World {
     pub pairs: Vec<[u32; 2]>,
     /// Gaps smaller than this are given \[m\].
     pub reach: f64,
+    /// A contact that presses harder has jumped \[N\].
+    pub jump: f64,
     pub memory: Memory,
     pub contacts: Vec<Contact>,
     solver: Box<dyn crate::Solver>,
@@ -130,6 +132,10 @@ impl ContactSource for Source<'_> {
             );
         }
     }
+
+    fn has_jumped(&self, contacts: &[Contact]) -> bool {
+        contacts.iter().any(|of| of.normal_force > self.world.jump)
+    }
 }
 
 /// The planes of a test are distinguished by their normals.
@@ -154,6 +160,7 @@ impl World {
             planes: Vec::new(),
             pairs: Vec::new(),
             reach: 0.0,
+            jump: f64::INFINITY,
             memory: Memory::new(),
             contacts: Vec::new(),
             solver: method.solver(&model).unwrap(),

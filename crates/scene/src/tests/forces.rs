@@ -220,9 +220,9 @@ fn a_tick_whose_forces_mean_nothing_is_repeated_once() {
         opening_to: 0.0,
         active,
     };
-    let blow = motion(-0.5e-3, 14e-3, true);
-    let still = motion(14e-3, 14e-3, true);
-    let away = motion(14e-3, 14e-3, false);
+    let blow = motion(-0.5e-3, 40e-3, true);
+    let still = motion(40e-3, 40e-3, true);
+    let away = motion(40e-3, 40e-3, false);
     let spec = SceneSpec {
         method: Method::ImplicitEuler(POOR),
         ..strip([20, 4, 1], true)

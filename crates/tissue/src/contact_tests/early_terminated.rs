@@ -174,6 +174,48 @@ fn a_step_whose_residual_is_beyond_its_bounds_takes_more_iterations() {
     assert_eq!(bounded.iter().filter(beyond).count(), 0);
 }
 
+/// Where each force counts as one that has jumped, steps of one iteration that end above the bounds of jumps take up to as many more as the options have, and only those do.
+#[test]
+fn a_step_whose_forces_have_jumped_takes_more_iterations() {
+    let h = STEPS[1];
+    let mut options = NewtonOptions::default();
+    // Overlaps, and forces that mean nothing, take more iterations, too.
+    options.contact.overlap = f64::INFINITY;
+    options.contact.residual.force = f64::INFINITY;
+    let steps = |jump: f64| {
+        let newton = Newton {
+            iterations: 1,
+            ..early()
+        };
+        let mut world = in_jaws(newton, FRICTION);
+        world.jump = jump;
+        world.solver = Box::new(SolverImplicit::with_options(
+            &world.model,
+            ImplicitScheme::BackwardEuler,
+            newton,
+            &options,
+            DistortionOptions::default(),
+        ));
+        let steps = 0..(END / h).round() as u32;
+        let reports = steps.map(|step| move_jaws(&mut world, step, h));
+        reports.collect::<Vec<_>>()
+    };
+    let is_unsolved = |of: &&StepReport| {
+        let bounds = options.contact.jump;
+        !bounds.hold(of.residual, of.force_residual, of.contact_residual)
+    };
+    let free = steps(f64::INFINITY);
+    assert!(free.iter().all(|of| of.iterations == 1));
+    assert!(free.iter().filter(is_unsolved).count() > 0);
+    let jumping = steps(0.0);
+    let most = 1 + options.contact.more_iterations;
+    assert!(jumping.iter().any(|of| of.iterations > 1));
+    assert!(jumping.iter().all(|of| of.iterations <= most));
+    let unsolved = jumping.iter().filter(is_unsolved);
+    assert!(unsolved.clone().all(|of| of.iterations == most));
+    assert!(unsolved.count() < free.iter().filter(is_unsolved).count());
+}
+
 /// The force with which both jaws press against each other \[N\].
 fn squeeze(world: &World) -> f64 {
     let push = |side: f64| -> f64 {
