@@ -24,7 +24,7 @@ const INVERTED: f64 = -1.0;
 
 /// An element that goes below has diverged if it came there by more than this part of its rest volume within the tick. What a blade has pushed through a wall bit by bit is in
 /// equilibrium there, with forces that mean something: without this no tick in which the tools moved succeeded any more, and they stood for seconds
-/// (seen with `microsim trainee --profile expert --seed 3` of level 1 of diagonal-cut).
+/// (seen with `microsim trainee --profile expert --seed 3` of level 1 of diagonal-cut). Half is a judgement. Springs may hold an element there for good; laws of a continuum, whose energy grows with the inversion, bring it back.
 const DEEPER: f64 = 0.5;
 
 /// For elements smaller than this fraction of the mean one the bound is that of this fraction: slivers that a cut leaves turn over many times their
