@@ -128,6 +128,25 @@ fn contacts_take_no_more_than_the_work_of_an_equation() {
     assert!(bounded < free, "{bounded} s, {free} s");
 }
 
+/// The steps of a grip in time \[s\] `h` with one iteration each, where contacts that press harder than `jump` \[N\] have jumped.
+fn steps_of_one_iteration(h: f64, options: &NewtonOptions, jump: f64) -> Vec<StepReport> {
+    let newton = Newton {
+        iterations: 1,
+        ..early()
+    };
+    let mut world = in_jaws(newton, FRICTION);
+    world.jump = jump;
+    world.solver = Box::new(SolverImplicit::with_options(
+        &world.model,
+        ImplicitScheme::BackwardEuler,
+        newton,
+        options,
+        DistortionOptions::default(),
+    ));
+    let steps = 0..(END / h).round() as u32;
+    steps.map(|step| move_jaws(&mut world, step, h)).collect()
+}
+
 /// Where residuals are beyond their bounds a step of one iteration takes up to as many more as the options have, and they are within them in the end. Without bounds it takes one. The bounds are half of
 /// what is left then at most, so that there are such steps.
 #[test]
@@ -135,25 +154,11 @@ fn a_step_whose_residual_is_beyond_its_bounds_takes_more_iterations() {
     let h = STEPS[1];
     let usual = NewtonOptions::default();
     let steps = |residual: ResidualBounds| {
-        let newton = Newton {
-            iterations: 1,
-            ..early()
-        };
         let mut options = usual;
         // Overlaps take more iterations, too.
         options.contact.overlap = f64::INFINITY;
         options.contact.residual = residual;
-        let mut world = in_jaws(newton, FRICTION);
-        world.solver = Box::new(SolverImplicit::with_options(
-            &world.model,
-            ImplicitScheme::BackwardEuler,
-            newton,
-            &options,
-            DistortionOptions::default(),
-        ));
-        let steps = 0..(END / h).round() as u32;
-        let reports = steps.map(|step| move_jaws(&mut world, step, h));
-        reports.collect::<Vec<_>>()
+        steps_of_one_iteration(h, &options, f64::INFINITY)
     };
     let unbounded = ResidualBounds {
         relative: f64::INFINITY,
@@ -182,24 +187,7 @@ fn a_step_whose_forces_have_jumped_takes_more_iterations() {
     // Overlaps, and forces that mean nothing, take more iterations, too.
     options.contact.overlap = f64::INFINITY;
     options.contact.residual.force = f64::INFINITY;
-    let steps = |jump: f64| {
-        let newton = Newton {
-            iterations: 1,
-            ..early()
-        };
-        let mut world = in_jaws(newton, FRICTION);
-        world.jump = jump;
-        world.solver = Box::new(SolverImplicit::with_options(
-            &world.model,
-            ImplicitScheme::BackwardEuler,
-            newton,
-            &options,
-            DistortionOptions::default(),
-        ));
-        let steps = 0..(END / h).round() as u32;
-        let reports = steps.map(|step| move_jaws(&mut world, step, h));
-        reports.collect::<Vec<_>>()
-    };
+    let steps = |jump: f64| steps_of_one_iteration(h, &options, jump);
     let is_unsolved = |of: &&StepReport| {
         let bounds = options.contact.jump;
         !bounds.hold(of.residual, of.force_residual, of.contact_residual)
