@@ -38,12 +38,9 @@ impl LineSearchOutcome {
 
 impl NewtonSolver {
     /// Φ at `trial`; the work of n is that on the path from the start of the iteration.
-    pub(super) fn potential(&self, problem: &Problem<'_>) -> Potential {
+    pub(super) fn potential(&mut self, problem: &Problem<'_>) -> Potential {
         let model = problem.model;
-        let mut elastic = 0.0;
-        for (set, elements) in model.sets().iter().enumerate() {
-            elastic += elements.energy(&self.trial.configuration(model, set));
-        }
+        let elastic = self.energy.compute(model, &self.trial);
         let (mut inertia, mut work) = (0.0, 0.0);
         for (node, x) in self.trial.positions.iter().enumerate() {
             if problem.fixed[node] {

@@ -1,6 +1,6 @@
 //! The working memory of Newton's method for one model.
 
-use super::known_forces::KnownForces;
+use super::known_forces::{KnownEnergy, KnownForces};
 use super::options::NewtonOptions;
 use crate::components::rigid_components;
 use crate::model::TissueModel;
@@ -29,6 +29,7 @@ pub(crate) struct NewtonSolver {
     pub(super) element_work: f64,
     pub(super) system: System,
     pub(super) forces: KnownForces,
+    pub(super) energy: KnownEnergy,
     pub(super) viscous: bool,
     /// Drag per mass of each node \[1/s\].
     pub(super) drags: Vec<f64>,
@@ -114,6 +115,7 @@ impl NewtonSolver {
             edge,
             system,
             forces: KnownForces::new(model),
+            energy: KnownEnergy::new(model),
             drags: {
                 let runs = model.drags().iter();
                 runs.flat_map(|(nodes, drag)| std::iter::repeat_n(*drag, nodes.len()))
