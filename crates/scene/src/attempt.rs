@@ -52,10 +52,10 @@ impl Scene {
         let mut loads = EdgeLoads::default();
         let mut solver = SolverReport::default();
         self.exempt_blades(&planned);
-        let jump_limits = self.jump_limits();
+        let jump_watches = self.jump_watches(&planned);
         for group in &mut self.groups {
             if let Some(contact) = &mut group.contact {
-                contact.jump_limits.clone_from(&jump_limits);
+                contact.jump_watches.clone_from(&jump_watches);
             }
         }
         // Without containment nobody asks what was there at the start: energies of all elements are not free.

@@ -3,6 +3,7 @@
 use crate::body::Body;
 use crate::box_grip::BoxGrip;
 use crate::exemption::Exemption;
+use crate::jump::{JumpWatch, StepForces};
 use crate::member::Member;
 use crate::pairs::{Pair, PairPartner};
 use crate::surface_edits::SurfaceDiff;
@@ -133,8 +134,8 @@ pub(crate) struct GroupContact {
     end_to_end: Vec<[u32; 2]>,
     /// Friction and response of each pair of the scene.
     laws: Vec<(f64, Response)>,
-    /// Of each pair of the scene, the force and the grip \[N\] from which on they have jumped since the last tick.
-    pub jump_limits: Vec<[f64; 2]>,
+    /// Of each pair of the scene that is with a tool in motion.
+    pub jump_watches: Vec<Option<JumpWatch>>,
     /// The tools that touch anything here.
     tools: Vec<usize>,
     /// Whether only tools touch anything here.
@@ -259,7 +260,7 @@ impl GroupContact {
             detector,
             pair_of,
             end_to_end,
-            jump_limits: Vec::new(),
+            jump_watches: Vec::new(),
             laws: pairs
                 .iter()
                 .map(|pair| (pair.friction, pair.response.of_contact()))
@@ -524,21 +525,20 @@ impl ContactSource for Source<'_> {
     }
 
     fn has_jumped(&self, contacts: &[Contact]) -> bool {
-        let mut sums: BTreeMap<usize, (Vector3<f64>, f64)> = BTreeMap::new();
+        let mut sums: BTreeMap<usize, StepForces> = BTreeMap::new();
+        let watch = |pair: usize| self.of.jump_watches.get(pair)?.as_ref();
         for (point, contact) in self.of.points.iter().zip(contacts) {
-            if let Some((pair, _)) = self.of.pair(&point.key) {
-                let (force, size) = sums.entry(pair).or_default();
-                *force += contact.force();
-                *size += contact.normal_force;
+            if let (Partner::Tool { capsule, .. }, Some((pair, _))) =
+                (point.key.partner, self.of.pair(&point.key))
+                && let Some(watch) = watch(pair)
+            {
+                let push = contact.normal * contact.normal_force;
+                let sum = sums.entry(pair).or_default();
+                sum.add(watch, capsule, contact.force(), push);
             }
         }
-        sums.iter().any(|(&pair, (force, size))| {
-            let Some(&[most_force, most_grip]) = self.of.jump_limits.get(pair) else {
-                return false;
-            };
-            // What the contacts press against each other is twice the grip of two jaws.
-            force.norm() >= most_force || 0.5 * (size - force.norm()) >= most_grip
-        })
+        sums.iter()
+            .any(|(&pair, forces)| watch(pair).is_some_and(|watch| forces.have_jumped(watch)))
     }
 }
 

@@ -85,6 +85,7 @@ mod initial_equilibrium;
 mod irrigation;
 mod jaws;
 mod jet;
+mod jump;
 mod lonor;
 mod lumen;
 mod member;

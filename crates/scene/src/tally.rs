@@ -5,7 +5,7 @@ use crate::group::Group;
 use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactPartner, ContactReport, PartReport, RegionReport};
 use crate::scene::Scene;
-use crate::tool::{Tool, ToolMotion};
+use crate::tool::{Tool, ToolMotion, squeeze};
 use microsim_contact::Partner;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -102,12 +102,6 @@ struct JawTally {
     push: Vector3<f64>,
     /// Σ A h \[m²·s\].
     area: f64,
-}
-
-/// How strongly two jaws press against each other through what lies between them: the smaller of their pushes in the direction in
-/// which each closes. `axis` is the x axis of their tool. Jaws that push to the same side, as tissue lies on them, squeeze nothing.
-fn squeeze([left, right]: [Vector3<f64>; 2], axis: Vector3<f64>) -> f64 {
-    (-left.dot(&axis)).min(right.dot(&axis)).max(0.0)
 }
 
 /// What contact did to the bodies of a group in a step, for containment.
@@ -356,31 +350,5 @@ impl Scene {
         tallies
             .filter_map(|(pair, tally)| tally.report(pair, self, motions, tick_s))
             .collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Pushes in units of a tool whose x axis is −y of the world. By hand: the smaller push along the closing directions counts, what
-    /// acts across them does not; tissue draped over closed jaws is pushed up and outwards, a dilator pushes outwards alone.
-    #[test]
-    fn only_what_jaws_press_against_each_other_is_a_squeeze() {
-        let axis = -Vector3::y();
-        let squeeze = |left: [f64; 3], right: [f64; 3]| {
-            let world = |[x, y, z]: [f64; 3]| Vector3::new(y, -x, z);
-            super::squeeze([world(left), world(right)], axis)
-        };
-        assert_eq!(squeeze([-2.0, 0.0, 0.0], [3.0, 0.0, 0.0]), 2.0);
-        assert_eq!(squeeze([-2.0, 1.0, 5.0], [1.5, -4.0, 0.0]), 1.5);
-        assert_eq!(squeeze([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]), 0.0);
-        assert_eq!(squeeze([0.3, 0.0, 1.0], [-0.3, 0.0, 1.0]), 0.0);
-        assert_eq!(squeeze([2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]), 0.0);
-        assert_eq!(
-            squeeze([-2.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
-            0.0,
-            "one jaw alone"
-        );
     }
 }

@@ -200,6 +200,11 @@ impl Tool {
         self.parts.get(capsule as usize).and_then(|part| part.jaw)
     }
 
+    /// The jaws that its capsules belong to.
+    pub fn jaws(&self) -> Vec<Option<Jaw>> {
+        self.parts.iter().map(|part| part.jaw).collect()
+    }
+
     /// Its own pose and opening at `time` \[s\].
     pub fn own_place(&self, time: f64) -> Option<(Pose, f64)> {
         let next = self.motion.partition_point(|key| key.time <= time);
@@ -370,6 +375,12 @@ fn squared_paths(paths: [f64; 2]) -> f64 {
     if sum > 0.0 { sum } else { f64::INFINITY }
 }
 
+/// How strongly two jaws press against each other through what lies between them: the smaller of their pushes in the direction in
+/// which each closes. `axis` is the x axis of their tool. Jaws that push to the same side, as tissue lies on them, squeeze nothing.
+pub(crate) fn squeeze([left, right]: [Vector3<f64>; 2], axis: Vector3<f64>) -> f64 {
+    (-left.dot(&axis)).min(right.dot(&axis)).max(0.0)
+}
+
 impl Part {
     /// The part in the tool's frame at an opening.
     fn at(&self, opening: f64) -> Capsule {
@@ -502,5 +513,26 @@ mod tests {
         assert!(steps(&turned(Vector3::z_axis(), 1.0), &tip) < 1e-9);
         let far = Aabb::of(&[Vector3::repeat(0.1)]);
         assert_eq!(steps(&aside, &far), 0.0);
+    }
+
+    /// Pushes in units of a tool whose x axis is −y of the world. By hand: the smaller push along the closing directions counts, what
+    /// acts across them does not; tissue draped over closed jaws is pushed up and outwards, a dilator pushes outwards alone.
+    #[test]
+    fn only_what_jaws_press_against_each_other_is_a_squeeze() {
+        let axis = -Vector3::y();
+        let squeeze = |left: [f64; 3], right: [f64; 3]| {
+            let world = |[x, y, z]: [f64; 3]| Vector3::new(y, -x, z);
+            super::squeeze([world(left), world(right)], axis)
+        };
+        assert_eq!(squeeze([-2.0, 0.0, 0.0], [3.0, 0.0, 0.0]), 2.0);
+        assert_eq!(squeeze([-2.0, 1.0, 5.0], [1.5, -4.0, 0.0]), 1.5);
+        assert_eq!(squeeze([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]), 0.0);
+        assert_eq!(squeeze([0.3, 0.0, 1.0], [-0.3, 0.0, 1.0]), 0.0);
+        assert_eq!(squeeze([2.0, 0.0, 0.0], [-2.0, 0.0, 0.0]), 0.0);
+        assert_eq!(
+            squeeze([-2.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+            0.0,
+            "one jaw alone"
+        );
     }
 }

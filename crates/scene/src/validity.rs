@@ -1,9 +1,11 @@
 //! Whether the forces of a tick mean anything.
 
-use crate::force_window::WindowTick;
-use crate::pairs::PairPartner;
+use crate::force_window::{ForceWindow, WindowTick};
+use crate::jump::{JumpLimit, JumpWatch};
+use crate::pairs::{Pair, PairPartner};
 use crate::report::{ContactPartner, ContactReport, SolverReport};
 use crate::scene::Scene;
+use crate::tool::ToolMotion;
 use microsim_tissue::{ResidualBounds, SolutionBounds};
 use nalgebra::Vector3;
 
@@ -15,11 +17,6 @@ pub struct SolverBounds {
     pub residual: ResidualBounds,
     /// Multiplier residual of contacts, relative to the mean edge length. By default a tenth.
     pub contact_residual: f64,
-    /// A force or grip of a tool that is at least this \[N\] and [`jump_ratio`](Self::jump_ratio) times that of the tick before has jumped. By default
-    /// 30 mN, which levels count as excess.
-    pub jump_force: f64,
-    /// By default three: no hand is so fast within the 8 ms of a tick.
-    pub jump_ratio: f64,
     /// What has jumped is what the equations have as their solution where no more is left of them than this.
     pub jump: SolutionBounds,
     /// A force of a tool so many times that of the hand is one that no hand has pushed with. By default two: a hand yields a step later.
@@ -31,8 +28,6 @@ impl Default for SolverBounds {
         Self {
             residual: ResidualBounds::default(),
             contact_residual: 0.1,
-            jump_force: 0.03,
-            jump_ratio: 3.0,
             jump: SolutionBounds::default(),
             hand_ratio: 2.0,
         }
@@ -54,12 +49,6 @@ impl SolverReport {
     }
 }
 
-/// The force and the grip \[N\] from which on they have jumped up since the last tick.
-fn jump_limits(last: Option<&WindowTick>, bounds: &SolverBounds) -> [f64; 2] {
-    let last = last.map_or([0.0; 2], |last| [last.force.norm(), last.grip]);
-    last.map(|last| bounds.jump_force.max(bounds.jump_ratio * last))
-}
-
 impl Scene {
     /// Whether what an attempt of a tick found means anything: its residuals are within the bounds, no hand has pushed harder than it does, and no force of a tool has
     /// jumped where a residual leaves open whether that is what the equations have as their solution.
@@ -75,9 +64,8 @@ impl Scene {
         let jumps = || {
             of_tools().any(|(pair, found)| {
                 let force = Vector3::from(found.force_on_tissue).norm();
-                let last = self.state.windows[pair].ticks.last();
-                let [most_force, most_grip] = jump_limits(last, &bounds);
-                force >= most_force || found.grip_n >= most_grip
+                let limit = JumpLimit::new(self.state.windows[pair].ticks.last());
+                limit.is_reached(force, found.grip_n)
             })
         };
         solver.is_within(&bounds)
@@ -85,15 +73,24 @@ impl Scene {
             && (solver.is_solved(&bounds) || !jumps())
     }
 
-    /// Of each pair, the [`jump_limits`] \[N\]; those that are not with a tool have none.
-    pub(crate) fn jump_limits(&self) -> Vec<[f64; 2]> {
-        let bounds = SolverBounds::default();
-        let pairs = self.pairs.iter().zip(&self.state.windows);
-        let limits = pairs.map(|(pair, window)| match pair.with {
-            PairPartner::Tool(_) => jump_limits(window.ticks.last(), &bounds),
-            _ => [f64::INFINITY; 2],
-        });
-        limits.collect()
+    /// Of each pair with a tool that makes one of these motions, what its forces are held against.
+    pub(crate) fn jump_watches(&self, motions: &[ToolMotion]) -> Vec<Option<JumpWatch>> {
+        let watch = |(pair, window): (&Pair, &ForceWindow)| {
+            let PairPartner::Tool(tool) = pair.with else {
+                return None;
+            };
+            let motion = motions.iter().find(|motion| motion.tool == tool)?;
+            Some(JumpWatch {
+                limit: JumpLimit::new(window.ticks.last()),
+                axis: motion.to.orientation * Vector3::x(),
+                jaws: self.tools[tool].jaws(),
+            })
+        };
+        self.pairs
+            .iter()
+            .zip(&self.state.windows)
+            .map(watch)
+            .collect()
     }
 
     /// Adds the forces of a tick of `length` \[s\] to the windows of their pairs, unless they mean nothing, and writes the means over these windows
@@ -184,23 +181,5 @@ mod tests {
         assert!(solved(1, 0.01, 3e-3, 0.01) && solved(0, 0.05, 0.1, 0.05));
         assert!(!solved(1, 0.011, 0.0, 0.0) && !solved(1, f64::NAN, 0.0, 0.0));
         assert!(!solved(1, 0.0, 3.1e-3, 0.0) && !solved(1, 0.0, 0.0, 0.011));
-    }
-
-    /// Three times the tick before and 30 mN: both, for force and grip alike.
-    #[test]
-    fn jumps_are_large_and_sudden() {
-        let bounds = SolverBounds::default();
-        let jumps = |last: Option<&WindowTick>, force: f64, grip: f64| {
-            let [most_force, most_grip] = jump_limits(last, &bounds);
-            force >= most_force || grip >= most_grip
-        };
-        assert!(jumps(None, 0.03, 0.0) && !jumps(None, 0.029, 0.0));
-        let last = WindowTick {
-            length: 0.008,
-            force: Vector3::z() * 0.012,
-            grip: 0.024,
-        };
-        assert!(!jumps(Some(&last), 0.035, 0.07));
-        assert!(jumps(Some(&last), 0.037, 0.0) && jumps(Some(&last), 0.0, 0.073));
     }
 }
