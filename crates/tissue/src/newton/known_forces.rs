@@ -64,7 +64,7 @@ pub(super) struct KnownEnergy {
 }
 
 impl KnownEnergy {
-    /// Working memory for one model.
+    /// Working memory for one model. Nothing is known yet.
     pub fn new(model: &TissueModel) -> Self {
         let mut state = State::at_rest(model);
         state.positions.fill(Vector3::repeat(f64::NAN));
@@ -126,6 +126,7 @@ mod tests {
             .to_vec();
         assert_eq!(known.compute(&model, &rest, &control, &Serial), expected);
     }
+
     /// Positions changed and back, and velocities: always what is computed again.
     #[test]
     fn no_old_energy_is_taken_for_new() {
