@@ -121,6 +121,11 @@ pub trait ContactSource {
     fn has_jumped(&self, _contacts: &[Contact]) -> bool {
         false
     }
+
+    /// Whether what touches moves on as in the step before, and so does what it moves.
+    fn moves_on(&self) -> bool {
+        false
+    }
 }
 
 /// Contact in a step of time or load.

@@ -159,7 +159,6 @@ impl Topology {
             cut.points = std::mem::take(&mut stroke.points);
         }
         cut.crossed = crossed;
-        cut.clamped = decisions.clamped;
         cut.joined = decisions.joined;
         cut.snapped = decisions.snapped;
         cut.dropped = decisions.dropped;

@@ -40,11 +40,9 @@ pub(crate) struct Decisions {
     pub edges: BTreeMap<[u32; 2], CrossedEdge>,
     /// Elements to divide, with their divided edges.
     pub elements: BTreeMap<u32, EdgeSet>,
-    /// Fractions that were clamped.
-    pub clamped: usize,
     /// Left whole, as an end is on the path already, or the blade goes through it.
     pub joined: usize,
-    /// Left whole with the nearer end on the path, as division would leave an element or edge too small.
+    /// Left whole with the nearer end on the path, as division would leave an element or a part of the edge too small.
     pub snapped: usize,
     /// Left whole with the nearer end on the path, as all edges of a face were crossed.
     pub dropped: usize,
@@ -73,11 +71,6 @@ pub(crate) fn decide(
     }
     decisions.legalise(topology, mesh);
     decisions.keep_elements_sound(topology, mesh, settings);
-    let divided = decisions.edges.values().filter_map(|e| match e.fate {
-        Fate::Divided(fraction) => Some((fraction, e.crossing.fraction)),
-        Fate::Retained(_) => None,
-    });
-    decisions.clamped = divided.filter(|(used, found)| used != found).count();
     decisions
 }
 
@@ -90,8 +83,7 @@ fn first_fate(
     settings: &Settings,
     decisions: &mut Decisions,
 ) -> Fate {
-    let least = settings.least_fraction;
-    let fraction = crossing.fraction.clamp(least, 1.0 - least);
+    let distance = crossing.fraction.min(1.0 - crossing.fraction);
     let on_path = edge.map(|node| stroke.is_on_path(node) || topology.front.contains(&node));
     // An end that lies on the other side as was found when the blade passed it: the path has come around it.
     let contradicts =
@@ -101,7 +93,7 @@ fn first_fate(
         ([false, false], [true, false]) => Some(edge[0]),
         ([false, false], [false, true]) => Some(edge[1]),
         ([false, false], _) => {
-            let touched = crossing.fraction.min(1.0 - crossing.fraction) <= TOUCHING;
+            let touched = distance <= TOUCHING;
             touched.then(|| nearer(crossing, edge))
         }
         // The path goes on past its own node.
@@ -114,11 +106,12 @@ fn first_fate(
     }
     let [a, b] = edge.map(|n| mesh.positions[n as usize]);
     let is_short = (b - a).norm() < settings.least_edge * topology.mean_edge;
-    if is_short || settings.change == TopologyChange::SplitAtFaces {
+    let is_near = distance < settings.least_fraction;
+    if is_short || is_near || settings.change == TopologyChange::SplitAtFaces {
         decisions.snapped += 1;
         return Fate::Retained(nearer(crossing, edge));
     }
-    Fate::Divided(fraction)
+    Fate::Divided(crossing.fraction)
 }
 
 /// The end nearer to a crossing.

@@ -92,7 +92,7 @@ fn estimated_side(editor: &Editor, stroke: &Stroke, face: &[u32; 3], node: u32) 
     if height < 0.0 { -1 } else { 1 }
 }
 
-/// Elements with all corners on the path lie in the cut itself, as flat as what was clamped leaves them. All such that hang together are given to the
+/// Elements with all corners on the path lie in the cut itself, as flat as what strays leaves them. All such that hang together are given to the
 /// side at which the larger area of them hangs: so nothing comes off that the blade has not cut out. 1, −1, or 0 where no side is known.
 fn give_flat_ones(editor: &Editor, stroke: &Stroke, elements: &BTreeSet<u32>) -> BTreeMap<u32, i8> {
     let topology = &*editor.topology;

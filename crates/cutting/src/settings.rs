@@ -7,14 +7,15 @@ use crate::change::TopologyChange;
 pub struct Settings {
     /// How the mesh changes where the blade has gone.
     pub change: TopologyChange,
-    /// Edges are divided no nearer to an end than this fraction (NUMERICS 3.5 a).
+    /// Edges are divided no nearer to an end than this fraction: the cut goes through a nearer end instead, and strays by as much as with a new node at this fraction
+    /// (NUMERICS 3.5 a), but without the slivers beside that.
     pub least_fraction: f64,
     /// An edge shorter than this fraction of the mean edge of the whole mesh is not divided: the cut goes through its nearer end, and so
     /// strays by half of it at most. With twice the least fraction that is no more than on a whole edge.
     pub least_edge: f64,
     /// No division leaves an element with less than this fraction of the mean volume of the whole mesh (NUMERICS 3.5 e).
     pub least_volume: f64,
-    /// The teeth that clamped nodes leave on the lips of a cut: what another cut would take off them with less than this fraction of the
+    /// The teeth that nodes beside the path leave on the lips of a cut: what another cut would take off them with less than this fraction of the
     /// mean volume stays on.
     pub flake_volume: f64,
     /// So does what is thinner, on the mean, than this fraction of the mean edge: less than the least fraction, within which a cut strays.

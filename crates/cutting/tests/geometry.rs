@@ -216,7 +216,7 @@ fn make(cut: &Cut, steps: usize) -> Found {
     }
 }
 
-/// Less than half an edge off everywhere, as asked for. What remeshing allows is less: fractions of edges are clamped to 0.15, so that a node is off by that
+/// Less than half an edge off everywhere, as asked for. What remeshing allows is less: the cut goes through nodes within 0.15 of an edge, so that a node is off by that
 /// fraction of its edge, of at most √3 times the shortest; short edges that are left whole lie nearer. The area then differs by the slope of
 /// teeth of 0.15 edges over an edge, at most ½ · (2 · 0.15)² = 5 %.
 #[test]

@@ -131,6 +131,9 @@ impl Scene {
             for (index, state) in joined.iter_mut().enumerate() {
                 let group = &mut self.groups[index];
                 group.limit_work(budget.part(count - step));
+                if let Some(contact) = &mut group.contact {
+                    contact.moves_on = step > 0 && !stops;
+                }
                 group.relocate(&mut self.bodies, state);
                 let stepped = step_group(
                     group,

@@ -136,6 +136,8 @@ pub(crate) struct GroupContact {
     laws: Vec<(f64, Response)>,
     /// Of each pair of the scene that is with a tool in motion.
     pub jump_watches: Vec<Option<JumpWatch>>,
+    /// Whether tools move on as in the step before.
+    pub moves_on: bool,
     /// The tools that touch anything here.
     tools: Vec<usize>,
     /// Whether only tools touch anything here.
@@ -261,6 +263,7 @@ impl GroupContact {
             pair_of,
             end_to_end,
             jump_watches: Vec::new(),
+            moves_on: false,
             laws: pairs
                 .iter()
                 .map(|pair| (pair.friction, pair.response.of_contact()))
@@ -522,6 +525,10 @@ impl ContactSource for Source<'_> {
             contact.offset = contact.gap(positions) - point.gap;
             contact
         }));
+    }
+
+    fn moves_on(&self) -> bool {
+        self.of.moves_on
     }
 
     fn has_jumped(&self, contacts: &[Contact]) -> bool {

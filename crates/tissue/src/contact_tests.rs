@@ -58,6 +58,8 @@ pub struct World {
     pub reach: f64,
     /// A contact that presses harder has jumped \[N\].
     pub jump: f64,
+    /// Whether planes are taken to move on as in the step before.
+    pub moves_on: bool,
     pub memory: Memory,
     pub contacts: Vec<Contact>,
     solver: Box<dyn crate::Solver>,
@@ -133,6 +135,10 @@ impl ContactSource for Source<'_> {
         }
     }
 
+    fn moves_on(&self) -> bool {
+        self.world.moves_on
+    }
+
     fn has_jumped(&self, contacts: &[Contact]) -> bool {
         contacts.iter().any(|of| of.normal_force > self.world.jump)
     }
@@ -161,6 +167,7 @@ impl World {
             pairs: Vec::new(),
             reach: 0.0,
             jump: f64::INFINITY,
+            moves_on: false,
             memory: Memory::new(),
             contacts: Vec::new(),
             solver: method.solver(&model).unwrap(),

@@ -99,7 +99,7 @@ fn planes_separate_a_block_into_two() {
         assert!((after.outer_area / before.outer_area - 1.0).abs() < 1e-12);
         assert!(after.sheets[0].1 < 1e-12);
         assert!((after.sheets[0].0 - 2.0 * cut.opened[0].area).abs() < 1e-12);
-        assert_eq!((cut.dropped, cut.snapped, cut.joined), (0, 0, 0));
+        assert_eq!((cut.dropped, cut.joined), (0, 0));
     }
 }
 
@@ -119,6 +119,24 @@ impl Body {
             self.mesh.apply(&cut.edit).unwrap();
         }
         cut
+    }
+}
+
+/// How far off a plane nodes of blocks with jittered nodes lie at most through which a cut along it goes: the least fraction of the longest edge, the diagonal of a cell and
+/// what its ends were jittered by.
+const STRAYS: f64 = 0.15 * 2.2;
+
+impl Body {
+    /// No element has nodes of the whole mesh on both sides of the plane, but for those through which the cut may go.
+    fn check_sides(&self, originals: usize, center: &V3, normal: &V3, what: &str) {
+        let height = |node: &u32| (self.mesh.positions[*node as usize] - center).dot(normal);
+        for tet in &self.mesh.tets {
+            let old = tet.iter().filter(|n| (**n as usize) < originals);
+            let heights = old.map(height).filter(|height| height.abs() > STRAYS);
+            let mut sides = heights.map(f64::is_sign_positive);
+            let first = sides.next();
+            assert!(sides.all(|side| Some(side) == first), "{what}");
+        }
     }
 }
 
@@ -158,14 +176,7 @@ fn a_blade_that_passes_step_by_step_separates_as_a_plane_does() {
             }
         }
         assert_eq!((body.check().unwrap().parts, pieces), (2, 1), "{n}");
-        // No part has nodes of the whole mesh on both sides.
-        let side = |node: usize| (body.mesh.positions[node] - center).dot(&normal) > 0.0;
-        for tet in &body.mesh.tets {
-            let mut old = tet.iter().map(|&n| n as usize).filter(|&n| n < originals);
-            if let Some(first) = old.next() {
-                assert!(old.all(|n| side(n) == side(first)));
-            }
-        }
+        body.check_sides(originals, &center, &normal, &format!("{n}"));
     }
 }
 
@@ -227,7 +238,7 @@ fn planes_through_single_nodes_and_edges_separate() {
     }
 }
 
-/// Area, normal and place of a cut against the plane, with steps of an eighth of a cell: nodes stray by the clamped fraction of an edge
+/// Area, normal and place of a cut against the plane, with steps of an eighth of a cell: nodes stray by the least fraction of an edge
 /// (0.15 of √3 and what was jittered) at most, and not on average.
 #[test]
 fn a_cut_lies_where_the_blade_went() {
@@ -259,14 +270,14 @@ fn a_cut_lies_where_the_blade_went() {
             for face in &cut.edit.cut_faces {
                 for node in face.nodes {
                     let height = (body.mesh.positions[node as usize] - V3::z() * 0.3).dot(&normal);
-                    assert!(height.abs() < 0.15 * 2.2, "{height}");
+                    assert!(height.abs() < STRAYS, "{height}");
                 }
             }
         }
     }
     // A square of 4 over the slope.
     let exact = 16.0 / normal.z;
-    // Clamped nodes make it rough, and so larger.
+    // Nodes beside the plane make it rough, and so larger.
     assert!((sum.0 / exact - 1.0).abs() < 0.05, "{} {exact}", sum.0);
     assert!(
         (sum.1 / sum.0 - V3::z() * 0.3).norm() < 0.05,
@@ -305,11 +316,13 @@ fn a_blade_under_way_leaves_what_it_has_passed_open() {
             area += cut.opened[0].area;
         }
         let depth = (3.0 - at(step + 1)[0].z).clamp(0.0, 6.0);
-        // Two wide; a cell's diagonal, 1.8 deep, may be in progress, and clamped nodes make the surface a little larger.
+        // Two wide; a cell's diagonal, 1.8 deep, may be in progress, and nodes beside the plane make the surface a little larger.
         assert!(area < 2.0 * depth * 1.05 + 0.1, "{step} {area} {depth}");
         assert!(area > 2.0 * (depth - 1.8), "{step} {area} {depth}");
-        let is_through = at(step + 1).iter().all(|p| p.z < -3.0);
-        assert_eq!(after.parts, 1 + usize::from(is_through), "{step}");
+        // The cut comes to a node when the blade is the least fraction of an edge from it: of a cell's diagonal at most.
+        let is_below = |z: f64| at(step + 1).iter().all(|p| p.z < z);
+        let parts = [-3.0, -3.0 + 0.15 * 3_f64.sqrt()].map(|z| 1 + usize::from(is_below(z)));
+        assert!((parts[0]..=parts[1]).contains(&after.parts), "{step}");
     }
 }
 
@@ -459,12 +472,7 @@ fn strokes_that_go_on_from_one_another_make_one_cut() {
             body.check().unwrap();
         }
         assert_eq!(body.check().unwrap().parts, 2, "{n}");
-        let side = |node: u32| (body.mesh.positions[node as usize] - center).dot(&normal) > 0.0;
-        for tet in &body.mesh.tets {
-            let mut old = tet.iter().filter(|n| (**n as usize) < originals);
-            let first = old.next().map(|n| side(*n));
-            assert!(old.all(|n| Some(side(*n)) == first), "{n}");
-        }
+        body.check_sides(originals, &center, &normal, &format!("{n}"));
     }
 }
 
@@ -510,10 +518,18 @@ fn planes_one_after_another_make_exactly_their_parts() {
             .map(|same| same.len() as f64 / points.len() as f64)
             .collect();
         let mut found = part_volumes(&body);
-        // What is less than 0.4 of the 750 elements stays on.
+        // Of 750 elements: what is less than 0.4 of one stays on, and what is less than a whole one may, as cuts go through nodes beside their planes.
         expected.retain(|fraction| *fraction > 0.4 / 750.0);
+        assert_eq!(parts, found.len());
+        assert!(
+            parts <= expected.len(),
+            "{seed} {steps} {expected:?} {found:?}"
+        );
+        for volumes in [&mut expected, &mut found] {
+            volumes.retain(|fraction| *fraction > 1.0 / 750.0);
+        }
         assert_eq!(
-            parts,
+            found.len(),
             expected.len(),
             "{seed} {steps} {expected:?} {found:?}"
         );

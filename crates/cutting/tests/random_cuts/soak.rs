@@ -17,7 +17,6 @@ pub struct Summary {
     pub edits: usize,
     pub divided: usize,
     pub crossed: usize,
-    pub clamped: usize,
     pub joined: usize,
     pub snapped: usize,
     pub dropped: usize,
@@ -366,7 +365,6 @@ impl Body {
         summary.edits += 1;
         summary.divided += cut.divided;
         summary.crossed += cut.crossed;
-        summary.clamped += cut.clamped;
         summary.joined += cut.joined;
         summary.snapped += cut.snapped;
         summary.dropped += cut.dropped;

@@ -186,7 +186,7 @@ fn check_blade(body: BodySpec, method: Method) {
         .flat_map(|c| c.pieces.clone())
         .collect();
     assert_eq!(pieces, [1], "{what}");
-    // On a flat blade the cut is the cross section, but for nodes that were used: with fractions clamped to 0.15 they are at most that fraction of
+    // On a flat blade the cut is the cross section, but for nodes that were used: no farther than 0.15 of an edge they are at most that fraction of
     // an edge off the plane, and a slope of 0.3 over an edge lengthens the surface by less than 5 %.
     let opened = area(&reports);
     assert!((opened / 2e-6 - 1.0).abs() < 0.05, "{what}: {opened}");

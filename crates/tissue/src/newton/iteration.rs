@@ -13,7 +13,7 @@ use microsim_contact_solver::Tolerances;
 use nalgebra::Vector3;
 
 impl NewtonSolver {
-    /// Solves an equation from the better one of these guesses; `ends` are the places of the nodes marked in `fixed`. The solution
+    /// Solves an equation from the best one of these guesses; `ends` are the places of the nodes marked in `fixed`. The solution
     /// is in `trial`, with the velocities of the equation.
     #[expect(clippy::too_many_arguments, reason = "the types of a step stay apart")]
     pub fn solve(
@@ -49,6 +49,13 @@ impl NewtonSolver {
         self.contacts.prefers_interior_point =
             equation.rate > 0.0 && !newton.must_converge && !self.effort.augmented_lagrangian;
         self.find(&problem, contact.as_mut());
+        let may_end_early = !newton.must_converge && equation.rate > 0.0;
+        let moves_on = contact.as_ref().is_some_and(|of| of.source.moves_on());
+        if may_end_early && moves_on && !self.contacts.is_empty() {
+            for guess in guesses {
+                self.start_in_contact(&problem, guess, contact.as_mut());
+            }
+        }
         if self.contacts.is_empty() && fixed.iter().all(|fixed| *fixed) {
             // No equation for any node.
             self.place(&problem, ends);
@@ -86,7 +93,6 @@ impl NewtonSolver {
         let mut tangent = Tangent::Exact;
         let (mut least, mut least_force, mut stagnated) = (f64::INFINITY, f64::INFINITY, 0);
         let most = newton.iterations.saturating_mul(self.effort.iterations);
-        let may_end_early = !newton.must_converge && equation.rate > 0.0;
         // Where hardly any force is left, the residual relative to them is no measure.
         let least_scale = match may_end_early {
             true => options.least_scale,

@@ -1,6 +1,6 @@
-//! The start of an equation: the best guess, and the displacement of prescribed nodes to their ends.
+//! The start of an equation: the best guess without contact and with it, and the displacement of prescribed nodes to their ends.
 
-use super::equation::Problem;
+use super::equation::{EquationContact, Problem};
 use super::workspace::NewtonSolver;
 use nalgebra::Vector3;
 
@@ -23,6 +23,42 @@ impl NewtonSolver {
             }
         }
         self.place(problem, guesses[best]);
+    }
+
+    /// Goes on from `guess` instead of from `trial`, at which contacts were found, if less of all forces is left there: Φ, by which
+    /// [`start`](Self::start) decides, knows nothing of contact, and what tools move goes on where these do.
+    pub(super) fn start_in_contact(
+        &mut self,
+        problem: &Problem<'_>,
+        guess: &[Vector3<f64>],
+        mut contact: Option<&mut EquationContact<'_>>,
+    ) {
+        if self.trial.positions == guess {
+            return;
+        }
+        self.evaluate(problem, 0.0);
+        let left = self.force_residual;
+        self.from.copy_from_slice(&self.trial.positions);
+        self.restart(problem, guess, contact.as_deref_mut());
+        self.evaluate(problem, 0.0);
+        let is_less = self.force_residual < left;
+        if !is_less {
+            let first = std::mem::take(&mut self.from);
+            self.restart(problem, &first, contact);
+            self.from = first;
+        }
+    }
+
+    /// Sets `trial` to a guess and finds its contacts as the first ones of the equation.
+    fn restart(
+        &mut self,
+        problem: &Problem<'_>,
+        guess: &[Vector3<f64>],
+        contact: Option<&mut EquationContact<'_>>,
+    ) {
+        self.place(problem, guess);
+        self.searches = 0;
+        self.find(problem, contact);
     }
 
     /// Sets the direction to the displacements of prescribed nodes to their ends, with a guess of how surfaces move others; returns whether
