@@ -159,6 +159,7 @@ impl Topology {
             cut.points = std::mem::take(&mut stroke.points);
         }
         cut.crossed = crossed;
+        cut.clamped = decisions.clamped;
         cut.joined = decisions.joined;
         cut.snapped = decisions.snapped;
         cut.dropped = decisions.dropped;

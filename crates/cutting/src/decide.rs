@@ -40,6 +40,8 @@ pub(crate) struct Decisions {
     pub edges: BTreeMap<[u32; 2], CrossedEdge>,
     /// Elements to divide, with their divided edges.
     pub elements: BTreeMap<u32, EdgeSet>,
+    /// Fractions that were clamped.
+    pub clamped: usize,
     /// Left whole, as an end is on the path already, or the blade goes through it.
     pub joined: usize,
     /// Left whole with the nearer end on the path, as division would leave an element or a part of the edge too small.
@@ -57,13 +59,22 @@ pub(crate) fn decide(
     settings: &Settings,
 ) -> Decisions {
     let mut decisions = Decisions::default();
+    let beside = match settings.change {
+        // The mesh comes apart at what is nearest anyway.
+        TopologyChange::SplitAtFaces => BTreeSet::new(),
+        _ => nodes_beside(topology, mesh, stroke, &crossings, settings),
+    };
     for (edge, crossing) in crossings {
+        if follows_own_cut(topology, stroke, edge, &crossing) {
+            continue;
+        }
         let fate = first_fate(
             topology,
             mesh,
             stroke,
             edge,
             &crossing,
+            &beside,
             settings,
             &mut decisions,
         );
@@ -71,20 +82,78 @@ pub(crate) fn decide(
     }
     decisions.legalise(topology, mesh);
     decisions.keep_elements_sound(topology, mesh, settings);
+    let divided = decisions.edges.values().filter_map(|e| match e.fate {
+        Fate::Divided(fraction) => Some((fraction, e.crossing.fraction)),
+        Fate::Retained(_) => None,
+    });
+    decisions.clamped = divided.filter(|(used, found)| used != found).count();
     decisions
 }
 
+/// Whether a node is on the path, or on the edge of an older cut.
+fn is_on_path(topology: &Topology, stroke: &Stroke, node: u32) -> bool {
+    stroke.is_on_path(node) || topology.front.contains(&node)
+}
+
+/// Whether an edge is crossed nearer to a node that this path has parted already: the blade follows its own cut, as where a vessel swings back between
+/// blades that still close, and would take a tooth off its lip.
+fn follows_own_cut(
+    topology: &Topology,
+    stroke: &Stroke,
+    edge: [u32; 2],
+    crossing: &Crossing,
+) -> bool {
+    let node = nearer(crossing, edge);
+    stroke.is_on_path(node) && !topology.front.contains(&node)
+}
+
+/// The nodes beside the path that it goes through instead: ends nearer than the least fraction to where an edge is crossed, the nearest first. Not those that would be the last
+/// corner of an element to come onto the path: what lies in the cut itself would hang on one of its lips as a tooth.
+fn nodes_beside(
+    topology: &Topology,
+    mesh: &TetMesh,
+    stroke: &Stroke,
+    crossings: &BTreeMap<[u32; 2], Crossing>,
+    settings: &Settings,
+) -> BTreeSet<u32> {
+    let mut near: Vec<(f64, u32)> = Vec::new();
+    for (&edge, crossing) in crossings {
+        let distance = crossing.fraction.min(1.0 - crossing.fraction);
+        if distance < settings.least_fraction
+            && !edge.iter().any(|&n| is_on_path(topology, stroke, n))
+        {
+            near.push((distance, nearer(crossing, edge)));
+        }
+    }
+    let id = |node: u32| mesh.node_ids[node as usize];
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| id(a.1).cmp(&id(b.1))));
+    let mut beside = BTreeSet::new();
+    for (_, node) in near {
+        let is_free = |corner: &&u32| {
+            **corner != node && !beside.contains(*corner) && !is_on_path(topology, stroke, **corner)
+        };
+        let mut elements = topology.elements_at(node).iter();
+        if elements.all(|&element| topology.tets[element as usize].iter().any(|n| is_free(&n))) {
+            beside.insert(node);
+        }
+    }
+    beside
+}
+
+#[expect(clippy::too_many_arguments, reason = "what decides of an edge")]
 fn first_fate(
     topology: &Topology,
     mesh: &TetMesh,
     stroke: &Stroke,
     edge: [u32; 2],
     crossing: &Crossing,
+    beside: &BTreeSet<u32>,
     settings: &Settings,
     decisions: &mut Decisions,
 ) -> Fate {
-    let distance = crossing.fraction.min(1.0 - crossing.fraction);
-    let on_path = edge.map(|node| stroke.is_on_path(node) || topology.front.contains(&node));
+    let least = settings.least_fraction;
+    let fraction = crossing.fraction.clamp(least, 1.0 - least);
+    let on_path = edge.map(|node| is_on_path(topology, stroke, node));
     // An end that lies on the other side as was found when the blade passed it: the path has come around it.
     let contradicts =
         |end: usize| crossing.is_certain && stroke.side(edge[end]) == -crossing.side_of_end(end);
@@ -93,7 +162,7 @@ fn first_fate(
         ([false, false], [true, false]) => Some(edge[0]),
         ([false, false], [false, true]) => Some(edge[1]),
         ([false, false], _) => {
-            let touched = distance <= TOUCHING;
+            let touched = crossing.fraction.min(1.0 - crossing.fraction) <= TOUCHING;
             touched.then(|| nearer(crossing, edge))
         }
         // The path goes on past its own node.
@@ -106,12 +175,22 @@ fn first_fate(
     }
     let [a, b] = edge.map(|n| mesh.positions[n as usize]);
     let is_short = (b - a).norm() < settings.least_edge * topology.mean_edge;
-    let is_near = distance < settings.least_fraction;
-    if is_short || is_near || settings.change == TopologyChange::SplitAtFaces {
-        decisions.snapped += 1;
-        return Fate::Retained(nearer(crossing, edge));
+    let node = match edge.map(|node| beside.contains(&node)) {
+        [true, false] => Some(edge[0]),
+        [false, true] => Some(edge[1]),
+        [true, true] => Some(nearer(crossing, edge)),
+        _ if is_short || settings.change == TopologyChange::SplitAtFaces => {
+            Some(nearer(crossing, edge))
+        }
+        _ => None,
+    };
+    match node {
+        Some(node) => {
+            decisions.snapped += 1;
+            Fate::Retained(node)
+        }
+        None => Fate::Divided(fraction),
     }
-    Fate::Divided(crossing.fraction)
 }
 
 /// The end nearer to a crossing.

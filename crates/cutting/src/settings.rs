@@ -7,8 +7,8 @@ use crate::change::TopologyChange;
 pub struct Settings {
     /// How the mesh changes where the blade has gone.
     pub change: TopologyChange,
-    /// Edges are divided no nearer to an end than this fraction: the cut goes through a nearer end instead, and strays by as much as with a new node at this fraction
-    /// (NUMERICS 3.5 a), but without the slivers beside that.
+    /// Edges are divided no nearer to an end than this fraction (NUMERICS 3.5 a). The cut goes through a nearer end instead where that may be: it strays by as much as with a
+    /// new node at this fraction, but without the slivers beside that.
     pub least_fraction: f64,
     /// An edge shorter than this fraction of the mean edge of the whole mesh is not divided: the cut goes through its nearer end, and so
     /// strays by half of it at most. With twice the least fraction that is no more than on a whole edge.

@@ -164,7 +164,7 @@ fn what_follows_cuts_is_what_is_made_anew() {
         }
     }
     assert!(
-        divided > 1000 && scene.body(0).piece_count() > 4,
+        divided > 500 && scene.body(0).piece_count() > 4,
         "{divided}, {}",
         scene.body(0).piece_count()
     );
