@@ -8,8 +8,8 @@ mod soak;
 
 #[test]
 fn what_follows_a_hundred_strokes_is_what_is_made_anew() {
-    let mut followers = followers::Followers::new(5);
-    let summary = soak::run(100, 5, 3, &mut followers, |_| ()).unwrap_or_else(|e| panic!("{e}"));
+    let mut followers = followers::Followers::new(11);
+    let summary = soak::run(100, 11, 3, &mut followers, |_| ()).unwrap_or_else(|e| panic!("{e}"));
     // The sample holds what is to be tested.
     let tally = followers.tally;
     assert!(
