@@ -425,7 +425,7 @@ fn main() {
     let mut hands = third.first().begin(3, doc);
     for bite in &third.bites {
         let bite = Bite {
-            cut: [0.05, bite.cut[1]],
+            cut: [0.02, bite.cut[1]],
             ..*bite
         };
         bite.grip(&mut hands);
