@@ -1,3 +1,5 @@
+mod nodes;
+
 use super::*;
 use crate::sheet::Sheet;
 use crate::sweep::Sweep;
@@ -177,64 +179,6 @@ fn a_blade_that_passes_step_by_step_separates_as_a_plane_does() {
         }
         assert_eq!((body.check().unwrap().parts, pieces), (2, 1), "{n}");
         body.check_sides(originals, &center, &normal, &format!("{n}"));
-    }
-}
-
-/// A plane through a layer of nodes of a block: everything lies in it exactly, nodes, edges and faces. It goes along them, and
-/// divides nothing.
-#[test]
-fn a_plane_through_nodes_opens_the_faces_in_it() {
-    for path in 0..2 {
-        let mut body = Body::new(block([4, 4, 4]));
-        let elements = body.mesh.tets.len();
-        let cut = if path == 0 {
-            let sheet = plane(V3::zeros(), V3::z());
-            body.cut(&mut Stroke::new(), &sheet).unwrap()
-        } else {
-            let at = |x: f64| [V3::new(x, -3.0, 0.0), V3::new(x, 3.0, 0.0)];
-            let sweep = Sweep {
-                before: at(-3.0),
-                now: at(3.0),
-            };
-            body.sweep(&mut Stroke::new(), &sweep).unwrap()
-        };
-        let after = body.check().unwrap();
-        assert_eq!(
-            (after.parts, cut.divided, body.mesh.tets.len()),
-            (2, 0, elements)
-        );
-        // 4 × 4 cells of 1; 5 × 5 nodes twice.
-        assert!((cut.opened[0].area - 16.0).abs() < 1e-12);
-        assert_eq!(cut.edit.nodes.len(), 25);
-        assert_eq!(cut.opened[0].normal.z.abs(), 1.0);
-    }
-}
-
-/// Through a node, along an edge, along a diagonal of cells, in other planes that hold nodes: valid, and in two.
-#[test]
-fn planes_through_single_nodes_and_edges_separate() {
-    let normals = [
-        V3::new(1.0, 1.0, 0.0),
-        V3::new(1.0, -1.0, 0.0),
-        V3::new(1.0, 1.0, 1.0),
-        V3::new(1.0, 2.0, 0.0),
-        V3::new(1.0, 2.0, 3.0),
-        V3::new(0.1, 0.0, 1.0),
-    ];
-    for normal in normals {
-        for shift in [0.0, 1e-17, -1e-13, 1e-9] {
-            let mut body = Body::new(block([4, 4, 4]));
-            let before = body.check().unwrap();
-            let sheet = plane(V3::repeat(shift), normal);
-            body.cut(&mut Stroke::new(), &sheet).unwrap();
-            let after = body.check().unwrap();
-            assert_eq!(after.parts, 2, "{normal:?}");
-            assert!((after.volume / before.volume - 1.0).abs() < 1e-12);
-            // The same once more: what is there is cut, no more than rounding of the first is left between.
-            body.cut(&mut Stroke::new(), &sheet);
-            let after = body.check().unwrap();
-            assert!((after.volume / before.volume - 1.0).abs() < 1e-12);
-        }
     }
 }
 
