@@ -5,7 +5,7 @@
 //! tears; the coarsening of what cuts have left behind ([`Topology::coarsen`]); and the check of all that ([`check`]). What is not: forces, tools, when to cut, files,
 //! clocks, threads. Pure: the same input gives the same bits.
 //!
-//! A step goes so. Every edge that the blade has crossed gets a node on the path ([`Sweep`], [`Sheet`]), and all elements at it are divided
+//! A step goes so. Every edge that the blade has crossed gets a node on the path ([`Sweep`], [`Sheet`]), a new one or one of its ends where that is near, and all elements at it are divided
 //! at once, each by the pattern for its crossed edges (dissertation, appendix B; NUMERICS 4): neighbours fit as every decision is that
 //! of an edge or a face alone. Then faces with all three nodes on the path and elements on both sides of it come apart: nodes are
 //! doubled once per group of elements that hang together by faces around them (NUMERICS 4.9). So the mesh is conforming and its surface
@@ -23,8 +23,8 @@
 //! blade; where the path comes around a node that it had passed, that node is on the path; elements that come to lie in the cut itself are given to one
 //! side. So a stroke separates what it has swept between, and does not shed what lies in the cut.
 //!
-//! Limitations: a blade that meets no edge, as it is narrower than an element, cuts nothing. Where elements have become too small to be divided
-//! ([`Settings`]) the cut goes through nodes nearby. A cut that comes within an element of the edge of an older one goes through its nodes. What another
+//! Limitations: a blade that meets no edge, as it is narrower than an element, cuts nothing. The cut goes through nodes that the blade passes nearby, and where elements have become too small to be divided
+//! ([`Settings`]). A cut that comes within an element of the edge of an older one goes through its nodes. What another
 //! cut would take off the lips of an older one in less than 0.4 of an element or thinner than 0.05 of an edge stays on. What a stroke
 //! leaves joined that crosses its own path is parted when the blade has gone on by more than an edge or has left the tissue. A loop that is only two or three edges across may then fall into several
 //! parts, along faces that no blade has passed.
