@@ -122,7 +122,7 @@ pub trait ContactSource {
         false
     }
 
-    /// Whether what touches moves on as in the step before, and so does what it moves.
+    /// Whether what touches goes on within the motion of the step before, so that what it moves may go on, too.
     fn moves_on(&self) -> bool {
         false
     }

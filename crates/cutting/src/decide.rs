@@ -64,8 +64,10 @@ pub(crate) fn decide(
         TopologyChange::SplitAtFaces => BTreeSet::new(),
         _ => nodes_beside(topology, mesh, stroke, &crossings, settings),
     };
+    // Of edges that wait the path may have parted a node after it crossed them.
+    let waits = settings.change == TopologyChange::SemiProgressive;
     for (edge, crossing) in crossings {
-        if follows_own_cut(topology, stroke, edge, &crossing) {
+        if !waits && follows_own_cut(topology, stroke, edge, &crossing) {
             continue;
         }
         let fate = first_fate(
@@ -108,7 +110,7 @@ fn follows_own_cut(
 }
 
 /// The nodes beside the path that it goes through instead: ends nearer than the least fraction to where an edge is crossed, the nearest first. Not those that would be the last
-/// corner of an element to come onto the path: what lies in the cut itself would hang on one of its lips as a tooth.
+/// corner of an element to come onto the path, as far as is known yet: what lies in the cut itself hangs on one of its lips as a tooth.
 fn nodes_beside(
     topology: &Topology,
     mesh: &TetMesh,

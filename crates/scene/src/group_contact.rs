@@ -136,7 +136,7 @@ pub(crate) struct GroupContact {
     laws: Vec<(f64, Response)>,
     /// Of each pair of the scene that is with a tool in motion.
     pub jump_watches: Vec<Option<JumpWatch>>,
-    /// Whether tools move on as in the step before.
+    /// Whether tools go on within the motion of the step before.
     pub moves_on: bool,
     /// The tools that touch anything here.
     tools: Vec<usize>,
