@@ -38,9 +38,9 @@ fn main() {
     let (cuts, steps) = (number(500), number(10_000));
     println!("{cuts} cuts, {steps} steps.\n");
     println!(
-        "| material | remedy | tetrahedra | nodes floored | inertia added | edges snapped | crumbs | step over limit | largest drift of the energy |"
+        "| material | remedy | tetrahedra | nodes floored | inertia added | edges clamped | edges snapped | crumbs | step over limit | largest drift of the energy |"
     );
-    println!("|{}", "---|".repeat(9));
+    println!("|{}", "---|".repeat(10));
     for (name, behaviour) in behaviours() {
         for floored in [true, false] {
             row(name, behaviour, floored, cuts, steps);
@@ -89,11 +89,12 @@ fn row(name: &str, behaviour: Behaviour, floored: bool, cuts: usize, steps: usiz
     let h = stable_step(&model, SAFETY);
     let mut topology = Topology::new(&mesh);
     let mut next = numbers();
-    let (mut snapped, mut crumbs) = (0, 0.0);
+    let (mut clamped, mut snapped, mut crumbs) = (0, 0, 0.0);
     for _ in 0..cuts {
         let Some(cut) = square(&mut mesh, &mut topology, &mut next) else {
             continue;
         };
+        clamped += cut.clamped;
         snapped += cut.snapped;
         crumbs += cut.lost_volume;
         let edit = ModelEdit::new(&mesh, &cut.edit, model.clamped());
@@ -111,7 +112,7 @@ fn row(name: &str, behaviour: Behaviour, floored: bool, cuts: usize, steps: usiz
     let added = model.added_inertia();
     let over_limit = 0.5 * h * power_iteration(&model, Part::Stiffness, 100).sqrt();
     println!(
-        "| {name} | {} | {} | {} of {} | {:.2} % | {snapped} | {:.1e} | {over_limit:.2} | {} |",
+        "| {name} | {} | {} | {} of {} | {:.2} % | {clamped} | {snapped} | {:.1e} | {over_limit:.2} | {} |",
         if floored { "floor" } else { "none" },
         mesh.tets.len(),
         added.iter().filter(|added| **added > 0.0).count(),
