@@ -160,6 +160,7 @@ impl Topology {
         }
         cut.crossed = crossed;
         cut.clamped = decisions.clamped;
+        cut.followed = decisions.followed;
         cut.joined = decisions.joined;
         cut.snapped = decisions.snapped;
         cut.dropped = decisions.dropped;

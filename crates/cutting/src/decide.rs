@@ -42,6 +42,8 @@ pub(crate) struct Decisions {
     pub elements: BTreeMap<u32, EdgeSet>,
     /// Fractions that were clamped.
     pub clamped: usize,
+    /// Left as they are, nearer to a node that the path has parted.
+    pub followed: usize,
     /// Left whole, as an end is on the path already, or the blade goes through it.
     pub joined: usize,
     /// Left whole with the nearer end on the path, as division would leave an element or a part of the edge too small.
@@ -68,6 +70,7 @@ pub(crate) fn decide(
     let waits = settings.change == TopologyChange::SemiProgressive;
     for (edge, crossing) in crossings {
         if !waits && follows_own_cut(topology, stroke, edge, &crossing) {
+            decisions.followed += 1;
             continue;
         }
         let fate = first_fate(

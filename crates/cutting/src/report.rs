@@ -47,6 +47,8 @@ pub struct Cut {
     pub crossed: usize,
     /// Divided edges whose fraction was clamped.
     pub clamped: usize,
+    /// Crossed edges that were left as they are, nearer to a node that the path had parted.
+    pub followed: usize,
     /// Crossed edges that were left whole as one end was on the path already, or the blade went through it.
     pub joined: usize,
     /// Crossed edges that were left whole with their nearer end on the path, as one of their parts or an element would have become too

@@ -12,6 +12,7 @@ fn three_hundred_strokes_leave_sound_meshes() {
     let found = [
         summary.complete,
         summary.pieces,
+        summary.clamped,
         summary.joined,
         summary.snapped,
     ];

@@ -17,6 +17,8 @@ pub struct Summary {
     pub edits: usize,
     pub divided: usize,
     pub crossed: usize,
+    pub clamped: usize,
+    pub followed: usize,
     pub joined: usize,
     pub snapped: usize,
     pub dropped: usize,
@@ -361,6 +363,8 @@ impl Body {
         summary.edits += 1;
         summary.divided += cut.divided;
         summary.crossed += cut.crossed;
+        summary.clamped += cut.clamped;
+        summary.followed += cut.followed;
         summary.joined += cut.joined;
         summary.snapped += cut.snapped;
         summary.dropped += cut.dropped;
