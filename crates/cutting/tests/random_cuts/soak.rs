@@ -164,6 +164,7 @@ pub fn cut_body(
         let path = Path::random(&mut random, complete, plane);
         let mut stroke = Stroke::new();
         let before = body.mesh.tets.len();
+        let left_before = summary.snapped + summary.followed;
         // How far the blade may leave its plane in the frame of the tissue, within a step.
         let mut off = 0.0_f64;
         let context =
@@ -242,12 +243,15 @@ pub fn cut_body(
         summary.strokes += 1;
         if complete && plane {
             summary.complete += 1;
-            // The first stroke goes through the nearer end of edges that are too short to be divided or crossed near an end, and of those at nodes that it has parted
-            // already: it strays by half an edge at most. Later on flakes stay on, on lips that may be oblique: of an edge, half as long again.
-            let snapped = match number {
+            // The first stroke separates edges exactly but for those that are too short to be divided or crossed near an end, and those at nodes that it has parted
+            // already, where it strays by half an edge at most. Later on flakes stay on, on lips that may be oblique: of an edge, half as long again.
+            let snapped = match (number, summary.snapped + summary.followed - left_before) {
                 // What is taken away reaches as far as the elements that were cut.
                 _ if change == TopologyChange::Remove => 1.5 * body.longest_edge(),
-                0 => 0.5 * body.longest_edge(),
+                // Nothing is divided: a tip of less than half an edge may stay on.
+                (0, 0) if change == TopologyChange::SplitAtFaces => 0.5 * body.longest_edge(),
+                (0, 0) => 0.0,
+                (0, _) => 0.5 * body.longest_edge(),
                 _ => 1.5 * body.longest_edge(),
             };
             let tolerance = snapped + off;
