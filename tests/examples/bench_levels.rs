@@ -2,16 +2,23 @@
 //! and over so many synthetic trainees, 10 if not given, the first half of them experts, with seeds from 1. Beside it what the solver did not come to the end with, and how many
 //! trainees have no verdict. Written to `tests/results/levels.md`.
 //!
+//! The same factor of a fixed matrix is timed before every run, so that pages of slow days and fast ones can be compared.
+//!
 //! Each run is a process of the shipped program without pictures, one after the other; the time is that of the thread that computes, from the trace. Nothing is
 //! asserted about time.
 
+use microsim_mesh::{Block, CellSplit};
+use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Symbolic};
 use microsim_tests::hands::stages;
+use microsim_tests::measured::thread_time;
 use microsim_tests::statistics::percentile;
 use microsim_tests::{microsim, report_beside, repository, scratch, trainees};
+use nalgebra::Matrix3;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// The time of a picture \[s\].
 const PICTURE: f64 = 16e-3;
@@ -24,6 +31,72 @@ const TRAINEES: u64 = 10;
 
 /// Modules with vessels.
 const MODULES: [&str; 4] = ["diagonal-cut", "dilatation", "trim-blunt", "trim-sharp"];
+
+/// Cells along each edge of the cube whose matrix is factored: about as many elements as the vessels of a level.
+const CELLS: usize = 6;
+
+/// How often it is factored before a run.
+const REPEATS: usize = 25;
+
+/// The speed of the machine: an f64 factor of a fixed matrix, as a tick of a level makes several.
+struct Yardstick {
+    matrix: BlockMatrix,
+    factor: Factor<f64>,
+    /// CPU times of it \[ms\].
+    times: Vec<f64>,
+}
+
+impl Yardstick {
+    fn new() -> Result<Self, String> {
+        let block = Block {
+            center: [0.0; 3],
+            size: [1.0; 3],
+            cells: [CELLS; 3],
+            split: CellSplit::Kuhn,
+        };
+        let mesh = block.mesh().map_err(|error| error.to_string())?;
+        let pattern = Arc::new(Pattern::from_cliques(mesh.positions.len(), &mesh.tets));
+        let ordering = Ordering::nested_dissection(&pattern, Some(&mesh.positions));
+        let symbolic = Arc::new(Symbolic::analyse(&pattern, &ordering));
+        // Edges as springs of stiffness 1 in each direction, and one at each node to the ground.
+        let mut matrix = BlockMatrix::zeros(pattern.clone());
+        for i in 0..pattern.nodes() {
+            matrix.add_diagonal(i, &Matrix3::identity());
+            for &j in pattern.row(i).iter().filter(|j| (**j as usize) < i) {
+                matrix.add(i, j as usize, &-Matrix3::identity());
+                matrix.add_diagonal(i, &Matrix3::identity());
+                matrix.add_diagonal(j as usize, &Matrix3::identity());
+            }
+        }
+        Ok(Self {
+            matrix,
+            factor: Factor::new(symbolic),
+            times: Vec::new(),
+        })
+    }
+
+    fn measure(&mut self) -> Result<(), String> {
+        for _ in 0..REPEATS {
+            let start = thread_time();
+            let factor = self.factor.factorise(&self.matrix, None);
+            factor.map_err(|error| error.to_string())?;
+            self.times.push(1e3 * (thread_time() - start));
+        }
+        Ok(())
+    }
+
+    fn row(&self) -> String {
+        let of = |fraction: f64| percentile(&self.times, fraction);
+        format!(
+            "\nThe machine meanwhile: an f64 factor of the matrix of a cube of {} tetrahedra, {REPEATS} times before each run, took {:.2} ms at p50, {:.2} at p1 and {:.2} at p99. \
+             Times of two pages compare after division by the first of these.\n",
+            6 * CELLS.pow(3),
+            of(0.5),
+            of(0.01),
+            of(0.99),
+        )
+    }
+}
 
 /// Runs of one kind.
 #[derive(Default)]
@@ -153,10 +226,12 @@ fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
         }
     }
     let mut beyond = Vec::new();
+    let mut yardstick = Yardstick::new()?;
     for (module, level) in levels {
         let folder = scratch();
         let name = format!("{module} {level}");
         let mut passing = Runs::default();
+        yardstick.measure()?;
         passing.play(&module, level, &format!("level{level}-pass.toml"))?;
         let mut trembling = Runs::default();
         for trainee in 0..trainees {
@@ -166,6 +241,7 @@ fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
                 false => ("novice", trainee - experts + 1),
             };
             let script = trainees::make(&module, level, profile, seed, folder.path());
+            yardstick.measure()?;
             trembling.play(&module, level, script.to_str().ok_or("UTF-8")?)?;
         }
         for (runs, who) in [(&passing, "script"), (&trembling, "trainees")] {
@@ -179,6 +255,7 @@ fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
             }
         }
     }
+    text.push_str(&yardstick.row());
     let _ = match beyond.as_slice() {
         [] => writeln!(text, "\nAll are within the aim."),
         beyond => writeln!(text, "\nAbove the aim: {}.", beyond.join(", ")),
