@@ -2,10 +2,12 @@
 //! and over so many synthetic trainees, 10 if not given, the first half of them experts, with seeds from 1. Beside it what the solver did not come to the end with, and how many
 //! trainees have no verdict. Written to `tests/results/levels.md`.
 //!
-//! The same factor of a fixed matrix is timed before every run, so that pages of slow days and fast ones can be compared.
-//!
 //! Each run is a process of the shipped program without pictures, one after the other; the time is that of the thread that computes, from the trace. Nothing is
 //! asserted about time.
+//!
+//! A processor that others use as well takes up to twice as long for the same instructions. So the factor of a fixed matrix is timed before and after every run, and
+//! a run during which it was slow is made again, a limited number of times. The one with the fastest factor counts, whatever its own times are; what the first runs
+//! gave stands beside it.
 
 use microsim_mesh::{Block, CellSplit};
 use microsim_sparse::{BlockMatrix, Factor, Ordering, Pattern, Symbolic};
@@ -19,6 +21,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// The time of a picture \[s\].
 const PICTURE: f64 = 16e-3;
@@ -35,15 +38,25 @@ const MODULES: [&str; 4] = ["diagonal-cut", "dilatation", "trim-blunt", "trim-sh
 /// Cells along each edge of the cube whose matrix is factored: about as many elements as the vessels of a level.
 const CELLS: usize = 6;
 
-/// How often it is factored before a run.
-const REPEATS: usize = 25;
+/// How often it is factored before and after a run.
+const REPEATS: usize = 15;
+
+/// Over so long \[s\] the machine is watched first, in so many samples, for the speed that it has when nobody else uses it.
+const WATCHED: f64 = 30.0;
+const SAMPLES: u32 = 60;
+
+/// A run counts as undisturbed up to this ratio of the factor's time to that of the fastest twentieth of the samples.
+const UNDISTURBED: f64 = 1.15;
+
+/// Most runs of one script.
+const ATTEMPTS: u32 = 3;
 
 /// The speed of the machine: an f64 factor of a fixed matrix, as a tick of a level makes several.
 struct Yardstick {
     matrix: BlockMatrix,
     factor: Factor<f64>,
-    /// CPU times of it \[ms\].
-    times: Vec<f64>,
+    /// Time of a factor when nobody else uses the machine \[s\].
+    undisturbed: f64,
 }
 
 impl Yardstick {
@@ -68,33 +81,30 @@ impl Yardstick {
                 matrix.add_diagonal(j as usize, &Matrix3::identity());
             }
         }
-        Ok(Self {
+        let mut yardstick = Self {
             matrix,
             factor: Factor::new(symbolic),
-            times: Vec::new(),
-        })
+            undisturbed: 1.0,
+        };
+        let mut samples = Vec::new();
+        for _ in 0..SAMPLES {
+            samples.push(yardstick.measure()?);
+            std::thread::sleep(Duration::from_secs_f64(WATCHED / f64::from(SAMPLES)));
+        }
+        yardstick.undisturbed = percentile(&samples, 0.05);
+        Ok(yardstick)
     }
 
-    fn measure(&mut self) -> Result<(), String> {
+    /// The median time of a factor now, relative to the undisturbed one.
+    fn measure(&mut self) -> Result<f64, String> {
+        let mut times = Vec::new();
         for _ in 0..REPEATS {
             let start = thread_time();
             let factor = self.factor.factorise(&self.matrix, None);
             factor.map_err(|error| error.to_string())?;
-            self.times.push(1e3 * (thread_time() - start));
+            times.push(thread_time() - start);
         }
-        Ok(())
-    }
-
-    fn row(&self) -> String {
-        let of = |fraction: f64| percentile(&self.times, fraction);
-        format!(
-            "\nThe machine meanwhile: an f64 factor of the matrix of a cube of {} tetrahedra, {REPEATS} times before each run, took {:.2} ms at p50, {:.2} at p1 and {:.2} at p99. \
-             Times of two pages compare after division by the first of these.\n",
-            6 * CELLS.pow(3),
-            of(0.5),
-            of(0.01),
-            of(0.99),
-        )
+        Ok(percentile(&times, 0.5) / self.undisturbed)
     }
 }
 
@@ -105,6 +115,10 @@ struct Runs {
     no_verdict: u32,
     /// CPU time of each picture \[ms\].
     pictures: Vec<f64>,
+    /// The same of the first run of each script, disturbed or not.
+    first: Vec<f64>,
+    /// How much slower the machine was during each run.
+    slower: Vec<f64>,
     ticks: u64,
     unconverged: u64,
     invalid: u64,
@@ -113,8 +127,49 @@ struct Runs {
 }
 
 impl Runs {
-    /// Plays a script, named as `--input` takes it.
-    fn play(&mut self, module: &str, level: u32, script: &str) -> Result<(), String> {
+    /// Plays a script, named as `--input` takes it, until the machine was undisturbed meanwhile, or often enough.
+    fn play(
+        &mut self,
+        module: &str,
+        level: u32,
+        script: &str,
+        yardstick: &mut Yardstick,
+    ) -> Result<(), String> {
+        let mut best: Option<(f64, Self)> = None;
+        for attempt in 0..ATTEMPTS {
+            let before = yardstick.measure()?;
+            let mut run = Self::default();
+            run.play_once(module, level, script)?;
+            let slower = before.max(yardstick.measure()?);
+            if attempt == 0 {
+                self.first.extend(&run.pictures);
+            }
+            if best.as_ref().is_none_or(|(least, _)| slower < *least) {
+                best = Some((slower, run));
+            }
+            if slower <= UNDISTURBED {
+                break;
+            }
+        }
+        if let Some((slower, run)) = best {
+            self.slower.push(slower);
+            self.add(run);
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, other: Self) {
+        self.count += other.count;
+        self.no_verdict += other.no_verdict;
+        self.pictures.extend(other.pictures);
+        self.ticks += other.ticks;
+        self.unconverged += other.unconverged;
+        self.invalid += other.invalid;
+        self.repeated += other.repeated;
+        self.over_budget += other.over_budget;
+    }
+
+    fn play_once(&mut self, module: &str, level: u32, script: &str) -> Result<(), String> {
         let folder = scratch();
         let folder = folder.path();
         let trace = folder.join("trace.json");
@@ -171,8 +226,10 @@ impl Runs {
         let longer = |than: f64| self.pictures.iter().filter(|ms| **ms > than).count();
         let mean = self.pictures.iter().sum::<f64>() / self.pictures.len() as f64;
         format!(
-            "| {level} | {who} | {} | {mean:.1} | {:.1} | {:.1} | {:.0} | {} | {} of {} | {} | {} | {} | {} of {} | {} |\n",
+            "| {level} | {who} | {} | {:.2} | {:.1} | {mean:.1} | {:.1} | {:.1} | {:.0} | {} | {} of {} | {} | {} | {} | {} of {} | {} |\n",
             self.count,
+            percentile(&self.slower, 0.5),
+            percentile(&self.first, 0.99),
             of(0.5),
             of(0.99),
             of(1.0),
@@ -208,12 +265,18 @@ fn order(words: &[String]) -> Option<(u64, Vec<String>)> {
 }
 
 fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
+    let mut yardstick = Yardstick::new()?;
     let mut text = format!(
         "# Cost of the levels with vessels\n\nCommand: `cargo xtask bench levels -- {trainees}{}`. CPU time of a picture of 16 ms from input to snapshots, in ms, of the one thread that computes: over the script that passes, and over {trainees} \
          synthetic trainees (`microsim trainee` from that script: experts, then as many novices, seeds from 1), run one after the other with all their pictures together. The aim is {AIM} ms at p99. A tick is `repeated` where its forces would mean nothing, `over budget` where its work was \
          bounded, `unconverged` where a step of it ended above the tolerance, `without meaning` where no metric takes its forces; too many of these, and there is no verdict.\n\n\
-         | level | hands | runs | mean | p50 | p99 | longest | > 16 ms | > 32 ms | repeated | over budget | unconverged | without meaning | no verdict |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+         The machine is not ours alone, and takes up to twice as long for the same instructions when others use it. So the f64 factor of the matrix of a cube of {} tetrahedra is timed before and after each run (p50 of {REPEATS}). In the fastest twentieth of {SAMPLES} samples over {WATCHED} s before all runs it took \
+         {:.2} ms; a run during which it took more than {UNDISTURBED} times as long is made again, at most {} times, and that with the fastest factor counts, whatever its own times are. `slower` is that ratio at p50 over the runs that count. `p99 first` is of the first run of each script, whatever the machine did.\n\n\
+         | level | hands | runs | slower | p99 first | mean | p50 | p99 | longest | > 16 ms | > 32 ms | repeated | over budget | unconverged | without meaning | no verdict |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         modules_of_command(modules),
+        6 * CELLS.pow(3),
+        1e3 * yardstick.undisturbed,
+        ATTEMPTS - 1,
     );
     let levels: BTreeSet<(String, u32)> = stages()?
         .into_iter()
@@ -226,13 +289,12 @@ fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
         }
     }
     let mut beyond = Vec::new();
-    let mut yardstick = Yardstick::new()?;
     for (module, level) in levels {
         let folder = scratch();
         let name = format!("{module} {level}");
         let mut passing = Runs::default();
-        yardstick.measure()?;
-        passing.play(&module, level, &format!("level{level}-pass.toml"))?;
+        let script = format!("level{level}-pass.toml");
+        passing.play(&module, level, &script, &mut yardstick)?;
         let mut trembling = Runs::default();
         for trainee in 0..trainees {
             let experts = trainees.div_ceil(2);
@@ -241,8 +303,8 @@ fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
                 false => ("novice", trainee - experts + 1),
             };
             let script = trainees::make(&module, level, profile, seed, folder.path());
-            yardstick.measure()?;
-            trembling.play(&module, level, script.to_str().ok_or("UTF-8")?)?;
+            let script = script.to_str().ok_or("UTF-8")?;
+            trembling.play(&module, level, script, &mut yardstick)?;
         }
         for (runs, who) in [(&passing, "script"), (&trembling, "trainees")] {
             if runs.count > 0 {
@@ -255,7 +317,6 @@ fn page(trainees: u64, modules: &[String]) -> Result<String, String> {
             }
         }
     }
-    text.push_str(&yardstick.row());
     let _ = match beyond.as_slice() {
         [] => writeln!(text, "\nAll are within the aim."),
         beyond => writeln!(text, "\nAbove the aim: {}.", beyond.join(", ")),
