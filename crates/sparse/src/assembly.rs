@@ -122,12 +122,7 @@ impl Places {
                 && first >= begin
             {
                 done = end.min(first);
-                for (&column, value) in columns[begin..done].iter().zip(&source[begin..done]) {
-                    for (lane, row) in rows.iter().enumerate() {
-                        target[(row.0 + column) as usize].0[row.1 as usize % WIDTH] +=
-                            value.0[lane];
-                    }
-                }
+                add_strip(rows, &columns[begin..done], &source[begin..done], target);
             }
             for (lane, row) in rows.iter().enumerate() {
                 let last = end.min(first + lane + 1).max(done);
@@ -155,5 +150,56 @@ impl Places {
             self.columns[index] = row as u32;
         }
         split
+    }
+}
+
+/// Adds the columns of a strip of which the eight rows go to these places.
+fn add_strip<T: Real>(
+    rows: &[(u32, u32); WIDTH],
+    columns: &[u32],
+    source: &[Octet<T>],
+    target: &mut [Octet<T>],
+) {
+    let [(low, shift), .., (high, _)] = *rows;
+    let shift = shift as usize % WIDTH;
+    let follow = |(lane, row): (usize, &(u32, u32))| match shift + lane < WIDTH {
+        true => *row == (low, (shift + lane) as u32),
+        false => *row == (high, (shift + lane - WIDTH) as u32),
+    };
+    if rows.iter().enumerate().all(follow) {
+        let add = match shift {
+            0 => add_shifted::<T, 0>,
+            1 => add_shifted::<T, 1>,
+            2 => add_shifted::<T, 2>,
+            3 => add_shifted::<T, 3>,
+            4 => add_shifted::<T, 4>,
+            5 => add_shifted::<T, 5>,
+            6 => add_shifted::<T, 6>,
+            _ => add_shifted::<T, 7>,
+        };
+        return add([low, high], columns, source, target);
+    }
+    for (&column, value) in columns.iter().zip(source) {
+        for (lane, row) in rows.iter().enumerate() {
+            target[(row.0 + column) as usize].0[row.1 as usize % WIDTH] += value.0[lane];
+        }
+    }
+}
+
+/// The same for rows that follow each other in the parent too, from lane `SHIFT` of the strip at octet `low` on; those beyond it begin that at `high`.
+fn add_shifted<T: Real, const SHIFT: usize>(
+    [low, high]: [u32; 2],
+    columns: &[u32],
+    source: &[Octet<T>],
+    target: &mut [Octet<T>],
+) {
+    for (&column, value) in columns.iter().zip(source) {
+        let (first, rest) = value.0.split_at(WIDTH - SHIFT);
+        let place = &mut target[(low + column) as usize].0[SHIFT..];
+        place.iter_mut().zip(first).for_each(|(sum, x)| *sum += *x);
+        if SHIFT > 0 {
+            let place = &mut target[(high + column) as usize].0[..SHIFT];
+            place.iter_mut().zip(rest).for_each(|(sum, x)| *sum += *x);
+        }
     }
 }
