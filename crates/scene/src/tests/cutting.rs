@@ -272,6 +272,21 @@ fn what_was_divided_is_merged_when_nothing_touches_it_any_more() {
     assert!(again.save() == scene.save());
 }
 
+/// In a tick that cuts nothing is merged, though it is long enough for a look and another blade's cut is left alone; in the next one it is.
+#[test]
+fn nothing_is_merged_in_a_tick_that_cuts() {
+    let body = bar(Discretisation::Tetrahedra, 0.0);
+    let blade = tool("blade", 0.0, vec![line(5e-5, None)]);
+    let mut scene = Scene::new(&spec(body, blade, false, Method::ImplicitEuler(NEWTON))).unwrap();
+    through(&mut scene, 0.37e-3, 20);
+    let motion = down(-1.2e-3, [1e-3, 0.0], [0.0; 2]);
+    let report = scene.tick(&[motion], 0.2, 1, &Serial).unwrap();
+    assert!(!report.cuts.is_empty());
+    assert_eq!(scene.body(0).cut_tally().merged, 0);
+    scene.tick(&[], 0.2, 1, &Serial).unwrap();
+    assert!(scene.body(0).cut_tally().merged > 0);
+}
+
 /// A clamp that is cut through holds on both sides; what is held by none falls.
 #[test]
 fn clamps_and_weight_after_a_cut() {
