@@ -279,6 +279,8 @@ fn nothing_is_merged_in_a_tick_that_cuts() {
     let blade = tool("blade", 0.0, vec![line(5e-5, None)]);
     let mut scene = Scene::new(&spec(body, blade, false, Method::ImplicitEuler(NEWTON))).unwrap();
     through(&mut scene, 0.37e-3, 20);
+    // The blade is away: its path is forgotten.
+    scene.tick(&[], 1e-3, 1, &Serial).unwrap();
     let motion = down(-1.2e-3, [1e-3, 0.0], [0.0; 2]);
     let report = scene.tick(&[motion], 0.2, 1, &Serial).unwrap();
     assert!(!report.cuts.is_empty());
