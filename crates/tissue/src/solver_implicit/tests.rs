@@ -80,6 +80,37 @@ fn effort_is_a_multiple_of_the_iterations() {
     assert_eq!(step(&mut solver), once);
 }
 
+/// A body of which every node has a target has no equation: it is there without an iteration, and moves as fast as from where it was (backward Euler: (x₁ − x₀)/h).
+#[test]
+fn a_body_that_is_prescribed_takes_no_iteration() {
+    let (model, start) = block(false, 150.0);
+    let h = 1e-3;
+    let turned = |p: &Vector3<f64>| Vector3::new(-p.y, p.x, p.z + 1e-4);
+    let targets: Vec<NodeTarget> = (0..)
+        .zip(&start.positions)
+        .map(|(node, p)| NodeTarget {
+            node,
+            target: turned(p),
+            overlap: Vector3::zeros(),
+        })
+        .collect();
+    let mut solver = SolverImplicit::new(&model, ImplicitScheme::BackwardEuler, TIGHT);
+    let mut state = start.clone();
+    let control = Control::default();
+    let report = solver.step(&model, &mut state, &control, &targets, h, &Serial);
+    let report = report.unwrap();
+    assert_eq!((report.iterations, report.converged), (0, true));
+    for ((x, v), from) in state
+        .positions
+        .iter()
+        .zip(&state.velocities)
+        .zip(&start.positions)
+    {
+        assert_eq!(*x, turned(from));
+        assert!((v - (x - from) / h).norm() <= 1e-12 * v.norm());
+    }
+}
+
 /// A step ends with the iteration in which its work is spent, and is marked as cut short; it has one in any case. What must converge goes on. The work is that of its
 /// iterations: three take three times as much as one.
 #[test]
