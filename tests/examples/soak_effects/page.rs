@@ -92,8 +92,8 @@ fn page(levels: &[Level]) -> String {
     let modules = levels.chunk_by(|a, b| a.module == b.module);
     let modules: String = modules.map(summary_of_module).collect();
     let tables: Vec<String> = levels.iter().map(table).collect();
-    let tissue = changes.into_iter().filter(Changes::has_tissue);
-    let all = tissue.fold(Changes::default(), Changes::and);
+    let complete = changes.into_iter().filter(Changes::in_all_computations);
+    let all = complete.fold(Changes::default(), Changes::and);
     PAGE.replace("{share}", &all.sentence())
         .replace("{modules}", modules.trim_end())
         .replace("{summary}", summary.trim_end())
@@ -120,8 +120,8 @@ impl Changes {
         }))
     }
 
-    /// Whether runs of the level depend on a solver: in levels without one no verdict could be another, and they have no iterations.
-    fn has_tissue(&self) -> bool {
+    /// Whether the level was played in each computation. One without tissue never is: it has no iterations, and no verdict that could be another.
+    fn in_all_computations(&self) -> bool {
         self.0.iter().all(|[_, all]| *all > 0)
     }
 
@@ -152,7 +152,7 @@ impl Changes {
             .any(|[changed, all]| *changed as f64 > AIM * *all as f64);
         let aim = if most { "missed" } else { "met" };
         format!(
-            "Verdicts other than those of the same motions as shipped, over all levels with tissue here: {}. The aim, at most {:.0} % each, is {aim}.",
+            "Verdicts other than those of the same motions as shipped, over all levels with tissue that were played in each computation: {}. The aim, at most {:.0} % each, is {aim}.",
             parts.join(", "),
             100.0 * AIM
         )
@@ -322,7 +322,7 @@ mod tests {
         assert_eq!(both, Changes([[1, 40], [1, 40]]));
         assert!(both.sentence().ends_with("is met."), "{}", both.sentence());
         assert!(changes.sentence().ends_with("is missed."));
-        assert!(both.has_tissue() && !changes.has_tissue());
+        assert!(both.in_all_computations() && !changes.in_all_computations());
         let page = table(level);
         let row = "| score |  | 8.0000 ± 1.4142 (2) | 2.0000 ± 1.4142 (2) | -2.42 ± 1.03 | – | – |";
         assert!(page.contains(row), "{page}");
