@@ -8,8 +8,9 @@ use std::path::Path;
 pub const ALONG_THE_SLIT: f64 = 0.0;
 pub const ACROSS_THE_SLIT: f64 = std::f64::consts::FRAC_PI_2;
 
-/// The handle of the forceps lies behind the vessel and above it.
-const FORCEPS: Local = [-0.75, 0.55, 0.0];
+/// Towards the handle of the forceps: behind the vessel, and so far above it that they pass the clamp. Their jaws lie nearly along the vessel, so that they
+/// have all of the tuft between them.
+pub const FORCEPS: Local = [-0.9, 0.4, 0.0];
 
 /// Where a tool is.
 #[derive(Clone, Copy)]

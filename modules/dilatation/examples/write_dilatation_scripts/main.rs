@@ -5,7 +5,7 @@ mod hands;
 mod vessel_mesh;
 
 use frame::{Frame, Local};
-use hands::{ACROSS_THE_SLIT, ALONG_THE_SLIT, Hands, Held};
+use hands::{ACROSS_THE_SLIT, ALONG_THE_SLIT, FORCEPS, Hands, Held};
 use std::path::Path;
 use vessel_mesh::VesselEnd;
 
@@ -16,19 +16,25 @@ const BEFORE: f64 = 3.0;
 const HALF_WIDTH: f64 = 0.25;
 const HALF_SPREAD: f64 = 1.3;
 
-/// From the middle of the tuft to the tips of the forceps that grip it, so that their jaws lie along all of it \[mm\].
-const BEYOND: Local = [0.25, -0.1, 0.0];
+/// From the middle of the tuft to the tips of the forceps that grip it, so that their jaws lie along all of it and below its top, tremor or not \[mm\].
+const BEYOND: Local = [0.35, -0.15, 0.0];
+
+/// How far the forceps wait, in lengths of [`FORCEPS`] \[mm\].
+const AWAY: f64 = 3.0;
 
 /// Openings of the forceps: around the tuft, on it, and far into it.
 const OPEN: f64 = 0.35;
-const GRIP: f64 = 0.07;
+const GRIP: f64 = 0.09;
 const CRUSH: f64 = 0.0;
 
 /// Opening around the whole vessel.
 const WIDE: f64 = 0.62;
 
 /// How far the dilator is pushed on where it meets the wall \[mm\].
-const STUMBLE: f64 = 1.3;
+const STUMBLE: f64 = 1.4;
+
+/// How much higher it enters where it catches the upper wall \[mm\].
+const TOO_HIGH: f64 = 0.14;
 
 /// A level: its vessel, how it lies, its tools' slots (the dilator's first), and what the passing script does.
 struct Level {
@@ -44,13 +50,13 @@ struct Level {
     /// How far the forceps lift the tuft, and where the opening is then: upwards and across \[mm\].
     lift: f64,
     aim: [f64; 2],
-    /// What others do: spreads that are too small, and whether the opening stays wide enough and is only not round; a factor of openings that are too large; in one direction alone; where the rim is,
-    /// upwards and across \[mm\].
+    /// What others do: spreads that are too small, and whether the opening stays wide enough and is only not round; a factor of openings that are too large; in one direction alone; where the rim is, upwards and across \[mm\],
+    /// where pushing on it meets the wall.
     little: &'static [(f64, f64)],
     little_is_wide: bool,
     far: f64,
     across: f64,
-    rim: [f64; 2],
+    rim: Option<[f64; 2]>,
     /// How far the forceps close on the wall, and whether it tears when it is spread too far, before too much of it is stretched.
     narrow: f64,
     tears: bool,
@@ -65,7 +71,7 @@ struct Variant<'a> {
     depth: f64,
     /// Where it spreads, once it has been in \[mm\].
     spread_depth: f64,
-    /// Whether the forceps close completely on the tuft before they hold it.
+    /// Whether the forceps close completely on the tuft before they let it go.
     crushes: bool,
     /// Whether the forceps hold, from before the dilator enters.
     holds: bool,
@@ -73,7 +79,7 @@ struct Variant<'a> {
     pace: f64,
     /// Whether the dilator is taken out in the end.
     withdraws: bool,
-    /// Beside the axis, where it is pushed against the wall before it enters: upwards and across \[mm\].
+    /// Beside the axis, where it is pushed against the wall before anything holds it: upwards and across \[mm\].
     stumbles: Option<[f64; 2]>,
     /// Whether the forceps grip the wall at its end before they grip the tuft.
     pinches: bool,
@@ -108,8 +114,8 @@ impl Level {
     fn write(&self, folder: &Path, name: &str, doc: &str, of: Variant<'_>) {
         let tuft = self.vessel.tuft_place();
         let grip = [0, 1, 2].map(|k| tuft[k] + BEYOND[k]);
-        // Behind and above, along their own axis.
-        let away = [grip[0] - 2.4, grip[1] + 1.8, grip[2]];
+        // Along their own axis.
+        let away = [0, 1, 2].map(|k| grip[k] + AWAY * FORCEPS[k]);
         let before = [BEFORE, of.aside[0], of.aside[1]];
         let start = Held {
             place: before,
@@ -142,15 +148,6 @@ impl Level {
                 put(&mut hands, 0.8, place, opening);
             }
         }
-        if of.holds {
-            put(&mut hands, 1.0, grip, OPEN);
-            if of.crushes {
-                put(&mut hands, 0.6, grip, CRUSH);
-            }
-            put(&mut hands, 0.6, grip, GRIP);
-            let up = [grip[0], grip[1] + self.lift, grip[2]];
-            put(&mut hands, 0.5, up, GRIP);
-        }
         if let Some([up, side]) = of.stumbles {
             for out in [BEFORE, -STUMBLE, BEFORE] {
                 hands.dilator.place = [out, up, side];
@@ -158,6 +155,12 @@ impl Level {
             }
             hands.dilator.place = before;
             step(&mut hands, 0.8);
+        }
+        if of.holds {
+            put(&mut hands, 1.0, grip, OPEN);
+            put(&mut hands, 0.6, grip, GRIP);
+            let up = [grip[0], grip[1] + self.lift, grip[2]];
+            put(&mut hands, 0.5, up, GRIP);
         }
         hands.dilator.place = [-of.depth, of.aside[0], of.aside[1]];
         step(&mut hands, 1.5);
@@ -184,6 +187,9 @@ impl Level {
         }
         if of.holds {
             put(&mut hands, 0.4, grip, GRIP);
+            if of.crushes {
+                put(&mut hands, 0.6, grip, CRUSH);
+            }
             put(&mut hands, 0.5, grip, OPEN);
         }
         put(&mut hands, 1.0, away, OPEN);
@@ -201,7 +207,7 @@ fn levels() -> Vec<Level> {
         length: 4.0,
         flat_length: 1.6,
         adventitia: 0.08,
-        tuft: 0.6,
+        tuft: 0.9,
         around: 12,
         along: 8,
         through: 1,
@@ -233,7 +239,7 @@ fn levels() -> Vec<Level> {
             little_is_wide: false,
             far: 1.5,
             across: 0.0,
-            rim: [0.0, 0.7],
+            rim: Some([0.0, 0.7]),
             narrow: 0.24,
             tears: false,
         },
@@ -252,7 +258,7 @@ fn levels() -> Vec<Level> {
             little_is_wide: false,
             far: 1.35,
             across: 0.57,
-            rim: [0.0, 0.7],
+            rim: Some([0.0, 0.7]),
             narrow: 0.24,
             tears: false,
         },
@@ -264,14 +270,14 @@ fn levels() -> Vec<Level> {
             slots: ["right", "left"],
             forceps: true,
             depth: 1.5,
-            spreads: &[(ACROSS_THE_SLIT, 0.5), (ALONG_THE_SLIT, 0.65)],
+            spreads: &[(ACROSS_THE_SLIT, 0.53), (ALONG_THE_SLIT, 0.65)],
             lift: 0.3,
-            aim: [0.12, 0.0],
-            little: &[(ALONG_THE_SLIT, 0.55), (ACROSS_THE_SLIT, 0.36)],
+            aim: [0.06, 0.0],
+            little: &[(ALONG_THE_SLIT, 0.65), (ACROSS_THE_SLIT, 0.4)],
             little_is_wide: true,
-            far: 1.15,
+            far: 1.08,
             across: 0.55,
-            rim: [0.45, 0.3],
+            rim: None,
             narrow: 0.16,
             tears: false,
         },
@@ -283,7 +289,7 @@ fn levels() -> Vec<Level> {
                 wall: 0.08,
                 flat: 0.35,
                 adventitia: 0.07,
-                tuft: 0.55,
+                tuft: 0.85,
                 ..artery
             },
             frame: right,
@@ -291,13 +297,13 @@ fn levels() -> Vec<Level> {
             forceps: true,
             depth: 1.3,
             spreads: &[(ACROSS_THE_SLIT, 0.34), (ALONG_THE_SLIT, 0.34)],
-            lift: 0.15,
-            aim: [0.0; 2],
+            lift: 0.25,
+            aim: [0.05, 0.0],
             little: &[(ALONG_THE_SLIT, 0.25), (ACROSS_THE_SLIT, 0.18)],
             little_is_wide: false,
             far: 1.4,
             across: 0.42,
-            rim: [0.0, 0.58],
+            rim: Some([0.0, 0.58]),
             narrow: 0.2,
             tears: true,
         },
@@ -309,14 +315,14 @@ fn levels() -> Vec<Level> {
             slots: ["left", "right"],
             forceps: true,
             depth: 1.5,
-            spreads: &[(ACROSS_THE_SLIT, 0.5), (ALONG_THE_SLIT, 0.65)],
+            spreads: &[(ACROSS_THE_SLIT, 0.53), (ALONG_THE_SLIT, 0.65)],
             lift: 0.3,
-            aim: [0.12, 0.0],
-            little: &[(ALONG_THE_SLIT, 0.55), (ACROSS_THE_SLIT, 0.36)],
+            aim: [0.06, 0.0],
+            little: &[(ALONG_THE_SLIT, 0.65), (ACROSS_THE_SLIT, 0.4)],
             little_is_wide: true,
-            far: 1.15,
+            far: 1.08,
             across: 0.55,
-            rim: [0.45, 0.3],
+            rim: None,
             narrow: 0.16,
             tears: false,
         },
@@ -368,12 +374,26 @@ fn main() {
                 ..pass
             },
         );
-        let stumbles = Some(level.rim);
         let name = "fail-wall-caught";
+        let stumbles = level.rim;
+        let (doc, aside) = match stumbles {
+            Some(_) => (
+                "Meets the wall beside the opening and pushes on, before it enters.",
+                pass.aside,
+            ),
+            None => (
+                "Enters too high and catches the upper wall.",
+                [pass.aside[0] + TOO_HIGH, pass.aside[1]],
+            ),
+        };
         write(
             name,
-            "Meets the wall beside the opening and pushes on, before it enters.",
-            Variant { stumbles, ..pass },
+            doc,
+            Variant {
+                stumbles,
+                aside,
+                ..pass
+            },
         );
         if level.number == 1 {
             let name = "fail-not-entered";
