@@ -1,6 +1,6 @@
 //! Exact bytes of all that evolves.
 //!
-//! Little-endian, in this order: magic, version u32, time f64, whether the last tick was not valid u32, number of contact pairs u32, per pair the number of ticks in its window u32 and these (length, force, grip), the fraction of their motion that tools make in a tick f64, number of tools u32, per tool whether it is there u32 and if so its position 3 × f64, orientation x, y, z, w 4 × f64, target, opening, moment and stiffness f64 each, the force on it 3 × f64, the stiffness of what it pushes against f64 and whether it is where the hand holds it u32, number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
+//! Little-endian, in this order: magic, version u32, time f64, whether the last tick was not valid u32, number of contact pairs u32, per pair the number of ticks in its window u32 and these (length, force, grip), the fraction of their motion that tools make in a tick f64, number of tools u32, per tool whether it is there u32 and if so its position 3 × f64, orientation x, y, z, w 4 × f64, target, opening, moment, stiffness and the opening at which it grasped f64 each, the force on it 3 × f64, the stiffness of what it pushes against f64 and whether it is where the hand holds it u32, number of edits u32 and these (`edits`), what decides of each cut; number of bodies u32; per body what cuts have made of it (tally, pieces, topology) if it can be cut, the number of nodes u32, the last
 //! step f64, longest stable step f64, positions and velocities (3 × f64 per node), numbers of accelerations and of internal variables u32, these (3 ×
 //! f64 and f64 each); number of groups of bodies that touch one another u32; per group the number of last normals u32 and per
 //! normal partner, node u32, 3 × f64; the number of contact forces u32 and per force body u32, partner, five nodes u32, force along
@@ -24,7 +24,7 @@ use microsim_tissue::State;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 const MAGIC: &[u8; 4] = b"MSSC";
-const VERSION: u32 = 14;
+const VERSION: u32 = 15;
 
 /// Why bytes cannot be restored. The scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -338,6 +338,7 @@ fn put_placement(bytes: &mut Vec<u8>, placement: &Placement) {
         placement.opening,
         placement.moment,
         placement.stiffness,
+        placement.grasped,
     ];
     numbers.iter().for_each(|&number| put_f64(bytes, number));
     put_vector(bytes, &placement.push);
@@ -429,6 +430,7 @@ impl<'a> Reader<'a> {
             opening: self.f64()?,
             moment: self.f64()?,
             stiffness: self.f64()?,
+            grasped: self.f64()?,
             push: self.vector()?,
             resistance: self.f64()?,
             is_free: self.bool()?,

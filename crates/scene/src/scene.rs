@@ -92,7 +92,10 @@ impl Scene {
         let tools = spec
             .tools
             .iter()
-            .map(Tool::new)
+            .map(|tool| {
+                let cuts = spec.cuts.iter().any(|cut| cut.tool == tool.name);
+                Ok(Tool::new(tool)?.cutting(cuts))
+            })
             .collect::<Result<Vec<_>, _>>()?;
         let (obstacles, obstacle_parts) = find_obstacles(&spec.obstacles)?;
         let pairs = find_pairs(spec, &obstacles)?;

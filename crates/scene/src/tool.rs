@@ -56,6 +56,8 @@ pub(crate) struct Tool {
     pub jaw_stiffness: f64,
     /// By what the tips come together per unit of opening \[m\]; 0 without jaws, and where they cut what they close on.
     path_of_closing: f64,
+    /// Whether its lines of no return cut a body.
+    pub cuts: bool,
     irrigation: Option<IrrigationSpec>,
     /// Its own motion; empty where it is moved from outside.
     pub motion: Vec<ToolKeySpec>,
@@ -161,9 +163,15 @@ impl Tool {
                 true => 0.0,
                 false => paths.iter().sum(),
             },
+            cuts: false,
             irrigation: spec.irrigation,
             motion: spec.motion.clone(),
         })
+    }
+
+    /// With lines of no return that cut a body, or none that does.
+    pub fn cutting(self, cuts: bool) -> Self {
+        Self { cuts, ..self }
     }
 
     /// The jet of its fluid at a pose and an opening; `None` where nothing flows.

@@ -160,6 +160,33 @@ fn what_is_between_jaws_that_close_completely_is_squeezed() {
     }
 }
 
+/// Jaws that tissue hardly bends leave a tenth of its thickness, which is stated, and what its force bends them; they let it go when they open.
+#[test]
+fn stiff_jaws_do_not_squeeze_tissue_to_nothing() {
+    let mut spec = gripped();
+    spec.tools[0].jaw_stiffness = 1e5;
+    let mut scene = Scene::new(&spec).unwrap();
+    let tick = |scene: &mut Scene, opening| {
+        let report = scene.tick(&[at(-0.4e-3, opening)], TICK, 4, &Serial);
+        let report = report.unwrap();
+        let placement = scene.state.placements.tools[0].unwrap();
+        (report, 2.0 * LENGTH * TURN * placement.opening)
+    };
+    for k in 0..50 {
+        let (_, left) = tick(&mut scene, closing(k, 30));
+        assert!(left > 0.09 * THICK, "tick {k}: {left} m");
+    }
+    let (report, left) = tick(&mut scene, [0.0, 0.0]);
+    assert!(report.valid && !report.contacts.is_empty());
+    assert!(left < 0.12 * THICK, "{left} m");
+    let mut after = None;
+    for k in 0..30 {
+        let opens = [k, k + 1].map(|k| f64::from(k) / 30.0);
+        after = Some(tick(&mut scene, opens).0);
+    }
+    assert!(after.unwrap().contacts.is_empty());
+}
+
 /// Jaws that close on what they hold within a tick, and open again in the next, take shorter steps: nothing is repeated, and they hold it with the force of before, as the
 /// tissue is elastic; a tenth of it is left to what slips under friction. The steps are those of the distance by which the tips close, 2 l α per unit of opening.
 #[test]
