@@ -5,8 +5,8 @@
 //! - **Jaws bend.** Opening q, its target T and the moment Q of the contact forces on the jaws, per unit of opening, are in equilibrium,
 //!   k (q − T) = Q, with the stiffness k of both jaws. The solver has the jaws at rest in a step; the moment of the next one is
 //!   predicted from that of the last and its secant stiffness K, so q' = (k T' + Q + K q) / (k + K). Without force q is T, to the bit.
-//! - **Tissue is not squeezed to nothing.** Laws of soft tissue bear any compression with forces that hardly bend a jaw. Bending jaws that do not cut close on what both of them press
-//!   no further than to [`SQUEEZED`] of their opening when they first did.
+//! - **Tissue is not squeezed to nothing.** Laws of soft tissue bear any compression with forces that hardly bend a jaw. Bending jaws of a tool that cuts nothing close on what both of them
+//!   press no further than to [`SQUEEZED`] of the opening at which they began to.
 //! - **A hand yields.** It pushes with at most the force F of the scene: a tool goes against what it touches no further than until that is reached, by
 //!   the force P of the last step and its secant stiffness K a distance of (F − P)/K in a step, and back where P is above F.
 //! - **Tools do not pass through each other.** Where capsules of two overlap, or have gone through each other in a step, both yield by half; jaws
@@ -19,6 +19,7 @@
 //!
 //! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand yields
 //! along its force and does not turn; where a single step closes on something rigid, its force shows before the hand has yielded.
+//! What is hollow or folded is squeezed to a tenth of its outer thickness as well, so that a thin vessel cannot be pressed shut; and what was squeezed while tools touched nothing begins anew.
 
 use crate::jet::Jet;
 use crate::spec::Jaw;
@@ -51,7 +52,7 @@ const RETREAT: f64 = 0.25e-3;
 /// A change of the opening that is too small for an estimate of stiffness.
 const STILL: f64 = 1e-7;
 
-/// What jaws that close completely leave of the thickness of what is between them: its solids, a judgement. Without it a tuft of loose tissue, 0.6 mm thick, that a trembling hand squeezed
+/// What jaws that close completely leave of the opening at which they began to press, of the thickness of solid tissue therefore: what is not fluid, a judgement. Without it a tuft of loose tissue, 0.6 mm thick, that a trembling hand squeezed
 /// turned inside out, and hung on a jaw after it had opened.
 const SQUEEZED: f64 = 0.1;
 
@@ -71,7 +72,7 @@ pub(crate) struct Placement {
     pub moment: f64,
     /// Secant stiffness of what is between the jaws \[J\].
     pub stiffness: f64,
-    /// Opening at which both jaws first pressed what is between them; 0 where they do not.
+    /// Opening at the end of the step in which both jaws began to press what is between them; 0 once neither does.
     pub grasped: f64,
     /// Sum of the contact forces on the whole tool \[N\].
     pub push: Vector3<f64>,
@@ -153,7 +154,7 @@ struct PlacedTool {
     is_whole: bool,
     /// Moment \[J\] and sum \[N\] of the contact forces of the step, and what of the moment opens each jaw \[J\].
     moment: f64,
-    opens: [f64; 2],
+    opening_moments: [f64; 2],
     push: Vector3<f64>,
 }
 
@@ -182,7 +183,7 @@ impl Course {
                 is_straight: true,
                 is_whole: pace >= 1.0,
                 moment: 0.0,
-                opens: [0.0; 2],
+                opening_moments: [0.0; 2],
                 push: Vector3::zeros(),
             }
         });
@@ -288,7 +289,7 @@ impl Course {
                 let moment = -contact.force().dot(&path);
                 one.moment += moment;
                 if let Some(jaw) = tools[tool].jaw(capsule) {
-                    one.opens[usize::from(jaw == Jaw::Right)] += moment;
+                    one.opening_moments[usize::from(jaw == Jaw::Right)] += moment;
                 }
                 one.push -= contact.force();
             }
@@ -300,7 +301,7 @@ impl Course {
         for one in &mut self.tools {
             one.feel();
             let moment = std::mem::take(&mut one.moment);
-            let opens = std::mem::take(&mut one.opens);
+            let opening_moments = std::mem::take(&mut one.opening_moments);
             let jaws = tools[one.motion.tool].jaw_stiffness;
             if !jaws.is_finite() {
                 continue;
@@ -314,9 +315,11 @@ impl Course {
                 one.now.stiffness = secant.clamp(least, STIFFEST * jaws);
             }
             one.now.moment = moment;
-            one.now.grasped = match opens[0].min(opens[1]) > 0.0 {
-                true => one.now.grasped.max(one.now.opening),
-                false => 0.0,
+            one.now.grasped = match opening_moments.map(|moment| moment > 0.0) {
+                [true, true] if one.now.grasped == 0.0 => one.now.opening,
+                [false, false] => 0.0,
+                // A hand that trembles takes one jaw off for a moment.
+                _ => one.now.grasped,
             };
         }
     }
@@ -398,10 +401,11 @@ impl PlacedTool {
         } else {
             let (jaws, tissue) = (tool.jaw_stiffness, now.stiffness);
             let moments = jaws * now.target + now.moment + tissue * self.before.opening;
+            // Closed jaws hold each other up.
+            let closed = now.target.min(0.0);
             let least = match now.grasped > 0.0 && !tool.cuts {
-                true => (SQUEEZED * now.grasped).min(self.before.opening),
-                // Closed jaws hold each other up.
-                false => now.target.min(0.0),
+                true => closed.max((SQUEEZED * now.grasped).min(self.before.opening)),
+                false => closed,
             };
             (moments / (jaws + tissue)).max(least)
         };

@@ -169,7 +169,7 @@ impl Tool {
         })
     }
 
-    /// With lines of no return that cut a body, or none that does.
+    /// The same tool; `cuts` is whether its lines of no return cut a body.
     pub fn cutting(self, cuts: bool) -> Self {
         Self { cuts, ..self }
     }

@@ -136,7 +136,7 @@ impl Changes {
         let percent = 100.0 * changed as f64 / all as f64;
         match all {
             0 => "–".to_owned(),
-            _ => format!("{changed} of {all} ({percent:.0} %)"),
+            _ => format!("{changed} of {all} ({percent:.1} %)"),
         }
     }
 
@@ -311,12 +311,12 @@ mod tests {
         assert_eq!(changes, Changes([[1, 4], [0, 0]]));
         assert_eq!(
             summary(level, &changes),
-            "| module, level 1 | 2, 0, 0 | 0, 2, 0 | -2.42 ± 1.03 | – | – | 1 of 4 (25 %) | – |\n"
+            "| module, level 1 | 2, 0, 0 | 0, 2, 0 | -2.42 ± 1.03 | – | – | 1 of 4 (25.0 %) | – |\n"
         );
         // Of two levels alike the same effect, with an error that is smaller by √2.
         assert_eq!(
             summary_of_module(&levels),
-            "| module | 4, 0, 0 | 0, 4, 0 | -2.42 ± 0.73 | – | – | 2 of 8 (25 %) | – |\n"
+            "| module | 4, 0, 0 | 0, 4, 0 | -2.42 ± 0.73 | – | – | 2 of 8 (25.0 %) | – |\n"
         );
         let both = changes.and(Changes([[0, 36], [1, 40]]));
         assert_eq!(both, Changes([[1, 40], [1, 40]]));

@@ -160,29 +160,35 @@ fn what_is_between_jaws_that_close_completely_is_squeezed() {
     }
 }
 
-/// Jaws that tissue hardly bends leave a tenth of its thickness, which is stated, and what its force bends them; they let it go when they open.
+/// Jaws that tissue hardly bends leave a tenth of the opening at which they began to press it, which is stated, and by what its force bends them; a hand that trembles squeezes it no further. It is let go when they open.
 #[test]
 fn stiff_jaws_do_not_squeeze_tissue_to_nothing() {
     let mut spec = gripped();
     spec.tools[0].jaw_stiffness = 1e5;
     let mut scene = Scene::new(&spec).unwrap();
-    let tick = |scene: &mut Scene, opening| {
-        let report = scene.tick(&[at(-0.4e-3, opening)], TICK, 4, &Serial);
+    let tick = |scene: &mut Scene, opening, heights: [f64; 2]| {
+        let mut motion = at(-0.4e-3, opening);
+        [motion.from.position.z, motion.to.position.z] = heights;
+        let report = scene.tick(&[motion], TICK, 4, &Serial);
         let report = report.unwrap();
         let placement = scene.state.placements.tools[0].unwrap();
         (report, 2.0 * LENGTH * TURN * placement.opening)
     };
     for k in 0..50 {
-        let (_, left) = tick(&mut scene, closing(k, 30));
+        let trembles = [k, k + 1].map(|k| if k % 2 == 0 { 0.06e-3 } else { 0.0 });
+        let (_, left) = tick(&mut scene, closing(k, 30), trembles);
         assert!(left > 0.09 * THICK, "tick {k}: {left} m");
     }
-    let (report, left) = tick(&mut scene, [0.0, 0.0]);
+    for _ in 0..10 {
+        tick(&mut scene, [0.0, 0.0], [0.06e-3, 0.06e-3]);
+    }
+    let (report, left) = tick(&mut scene, [0.0, 0.0], [0.06e-3, 0.06e-3]);
     assert!(report.valid && !report.contacts.is_empty());
     assert!(left < 0.12 * THICK, "{left} m");
     let mut after = None;
     for k in 0..30 {
         let opens = [k, k + 1].map(|k| f64::from(k) / 30.0);
-        after = Some(tick(&mut scene, opens).0);
+        after = Some(tick(&mut scene, opens, [0.06e-3, 0.06e-3]).0);
     }
     assert!(after.unwrap().contacts.is_empty());
 }

@@ -19,7 +19,7 @@ const HALF_SPREAD: f64 = 1.3;
 /// From the middle of the tuft to the tips of the forceps that grip it, so that their jaws lie along all of it and below its top, tremor or not \[mm\].
 const BEYOND: Local = [0.35, -0.15, 0.0];
 
-/// How far the forceps wait, in lengths of [`FORCEPS`] \[mm\].
+/// How far away the forceps wait: so many times [`FORCEPS`] \[mm\].
 const AWAY: f64 = 3.0;
 
 /// Openings of the forceps: around the tuft, on it, and far into it.
