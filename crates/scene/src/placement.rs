@@ -19,7 +19,7 @@
 //!
 //! Limitations: of a jaw the tip's compliance counts wherever it is touched, both jaws bend alike, and shafts do not bend under tissue. A hand yields
 //! along its force and does not turn; where a single step closes on something rigid, its force shows before the hand has yielded.
-//! What is hollow or folded is squeezed to a tenth of its outer thickness as well, so that a thin vessel cannot be pressed shut; and what was squeezed while tools touched nothing begins anew.
+//! What is hollow or folded is squeezed to a tenth of its outer thickness as well, so that a thin vessel cannot be pressed shut; and where tools have touched nothing for a tick, they begin to press again.
 
 use crate::jet::Jet;
 use crate::spec::Jaw;
