@@ -97,3 +97,39 @@ fn what_cannot_be_made_is_refused() {
     assert!(make(plan, "surgeon", other).contains("it has: expert, novice"));
     assert!(make(plan, "expert", script).contains(script));
 }
+
+/// Forceps whose reading with nothing between the jaws is 0 close completely where they hold anything: a trembling hand that does so on the tuft of a vessel crushes it, holds it all the while and lets it go,
+/// so that the end is left free for the time that the level asks for. Before jaws left a tenth of what they squeeze the tuft turned inside out and hung on a jaw: these trainees failed for other reasons besides.
+#[test]
+fn a_trembling_hand_that_closes_completely_lets_go() {
+    for level in [2, 4] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let script = trainees::make("dilatation", level, "expert", 1, folder.path());
+        let text = std::fs::read_to_string(&script).expect("a script");
+        let mut motion: toml::Table = text.parse().expect("TOML");
+        let tools = motion["tool"].as_array_mut().expect("tools");
+        let left = tools
+            .iter_mut()
+            .find(|tool| tool["name"].as_str() == Some("left"));
+        let keys = left.expect("forceps")["key"].as_array_mut();
+        let mut closed = 0;
+        for key in keys.expect("keys") {
+            // What is held is held at 0.09, and all else is at 0.35.
+            if key["opening"]
+                .as_float()
+                .is_some_and(|opening| opening < 0.12)
+            {
+                key["opening"] = toml::Value::Float(0.0);
+                closed += 1;
+            }
+        }
+        assert!(closed > 100, "level {level}: {closed}");
+        std::fs::write(&script, motion.to_string()).expect("a script");
+        let (_, printed, _) = trainees::run("dilatation", level, &script);
+        assert_eq!(
+            printed["failed"],
+            serde_json::json!(["crushed"]),
+            "level {level}"
+        );
+    }
+}

@@ -52,8 +52,8 @@ const RETREAT: f64 = 0.25e-3;
 /// A change of the opening that is too small for an estimate of stiffness.
 const STILL: f64 = 1e-7;
 
-/// What jaws that close completely leave of the opening at which they began to press, of the thickness of solid tissue therefore: what is not fluid, a judgement. Without it a tuft of loose tissue, 0.6 mm thick, that a trembling hand squeezed
-/// turned inside out, and hung on a jaw after it had opened.
+/// What jaws that close completely leave of the opening at which they began to press, of the thickness of solid tissue therefore: what is not fluid, a judgement. Without it a tuft of loose
+/// tissue, 0.6 mm thick, that a trembling hand squeezed turned inside out, and hung on a jaw after it had opened (`tests/tests/trainees.rs`).
 const SQUEEZED: f64 = 0.1;
 
 /// Passes over all pairs of capsules of two tools.
