@@ -4,19 +4,20 @@ use crate::pairs::PairPartner;
 use crate::scene::Scene;
 use crate::view::BodyView;
 use microsim_geometry::{
-    Aabb, Capsule, closest_on_triangle, edge_through_triangle, point_in_tetrahedron,
+    Aabb, Capsule, closest_on_triangle, closest_segments, edge_through_triangle,
+    point_in_tetrahedron,
 };
 use nalgebra::Vector3;
 
 /// A node counts as inside from this fraction of its body's mean edge length on: solvers that iterate leave less.
 const INSIDE: f64 = 1e-3;
 
-/// The nodes of a body that are inside what it touches.
+/// How far a body is inside what it touches.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlap {
-    /// How many are deeper than a thousandth of the body's mean edge length.
+    /// How many nodes are deeper than a thousandth of the body's mean edge length.
     pub nodes: usize,
-    /// Depth of the deepest \[m\], however small.
+    /// Depth of the deepest node, and of the deepest point of an edge or a face in a tool \[m\], however small.
     pub depth: f64,
 }
 
@@ -27,6 +28,7 @@ impl BodyView<'_> {
         let (scene, body) = (self.scene, self.index);
         let (nodes, positions) = (&self.surface().nodes, self.positions());
         let mut depths = vec![0.0f64; positions.len()];
+        let mut deepest = 0.0f64;
         for pair in &scene.pairs {
             match &pair.with {
                 PairPartner::Body(other) if pair.body == body => {
@@ -51,6 +53,10 @@ impl BodyView<'_> {
                             let depth = &mut depths[node as usize];
                             *depth = depth.max(-capsule.signed_distance(p));
                         }
+                        for triangle in &self.surface().triangles {
+                            let corners = triangle.map(|node| positions[node as usize]);
+                            deepest = deepest.max(depth_of_triangle(&capsule, &corners));
+                        }
                     }
                 }
                 _ => {}
@@ -59,7 +65,7 @@ impl BodyView<'_> {
         let least = INSIDE * self.mean_edge_length();
         Overlap {
             nodes: depths.iter().filter(|depth| **depth > least).count(),
-            depth: depths.iter().copied().fold(0.0, f64::max),
+            depth: depths.iter().copied().fold(deepest, f64::max),
         }
     }
 }
@@ -140,6 +146,25 @@ impl Scene {
     }
 }
 
+/// How far the deepest point of a triangle is inside a capsule \[m\]; 0 outside.
+fn depth_of_triangle(capsule: &Capsule, corners: &[Vector3<f64>; 3]) -> f64 {
+    let Capsule { a, b, radius } = capsule;
+    if !Aabb::of(corners).overlaps(&capsule.bounds()) {
+        return 0.0;
+    }
+    if edge_through_triangle(a, b, corners).is_some() {
+        return *radius;
+    }
+    let [p, q, r] = corners;
+    let of_edges = [(p, q), (q, r), (r, p)].map(|(from, to)| {
+        let closest = closest_segments(from, to, a, b);
+        (closest.first.point - closest.second.point).norm()
+    });
+    let of_ends = [a, b].map(|end| (closest_on_triangle(end, corners).point - end).norm());
+    let nearest = of_edges.into_iter().chain(of_ends);
+    (radius - nearest.fold(f64::INFINITY, f64::min)).max(0.0)
+}
+
 /// What is common to the boxes around two sets of points.
 fn common_box(one: &[Vector3<f64>], other: &[Vector3<f64>]) -> Option<Aabb> {
     let (a, b) = (Aabb::of(one), Aabb::of(other));
@@ -147,4 +172,36 @@ fn common_box(one: &[Vector3<f64>], other: &[Vector3<f64>]) -> Option<Aabb> {
         min: a.min.sup(&b.min),
         max: a.max.inf(&b.max),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::depth_of_triangle;
+    use microsim_geometry::Capsule;
+    use nalgebra::Vector3;
+
+    /// A triangle that is far larger than the capsule, in the plane z = 0: its corners are outside in all cases.
+    const CORNERS: [[f64; 3]; 3] = [[-10.0, -10.0, 0.0], [10.0, -10.0, 0.0], [0.0, 20.0, 0.0]];
+
+    fn depth(a: [f64; 3], b: [f64; 3]) -> f64 {
+        let capsule = Capsule {
+            a: a.into(),
+            b: b.into(),
+            radius: 1.0,
+        };
+        depth_of_triangle(&capsule, &CORNERS.map(Vector3::from))
+    }
+
+    #[test]
+    fn faces_and_edges_are_as_deep_as_they_are_near_to_the_axis() {
+        // Above the face, with an end towards it, and through it.
+        assert_eq!(depth([0.0, 0.0, 0.75], [0.0, 0.0, 5.0]), 0.25);
+        assert_eq!(depth([0.0, 0.0, 1.25], [0.0, 0.0, 5.0]), 0.0);
+        assert_eq!(depth([0.0, 0.0, -2.0], [0.0, 0.0, 5.0]), 1.0);
+        // Across an edge, beside the triangle.
+        let beside = depth([0.0, -10.5, -3.0], [0.0, -10.5, 3.0]);
+        assert!((beside - 0.5).abs() < 1e-12, "{beside}");
+        // The box of the capsule meets that of the triangle, the capsule nothing.
+        assert_eq!(depth([-9.0, 18.0, 0.0], [-8.0, 18.0, 0.0]), 0.0);
+    }
 }

@@ -182,6 +182,8 @@ pub(crate) struct Contact {
 pub struct Remarks {
     /// Largest number of sub-steps that a fast tool took.
     pub most_substeps: u32,
+    /// Steps that ended above the tolerance of the method.
+    pub unconverged: u64,
     /// Tools that jumped, with the time at the end of the tick \[s\].
     pub jumps: Vec<(f64, usize)>,
     /// What was cut, with the time at the end of the tick \[s\].
@@ -363,6 +365,7 @@ impl Runner {
         let recoveries = report.recoveries.into_iter();
         self.recoveries.extend(recoveries.map(|r| (time, r)));
         self.remarks.most_substeps = self.remarks.most_substeps.max(report.substeps);
+        self.remarks.unconverged += u64::from(report.solver.unconverged);
         if report.stiffened {
             let bodies = self.scene.bodies();
             let step = bodies

@@ -116,7 +116,7 @@ table! {
         /// of the body's `volume`, `smallest-volume` of an element relative to that at rest, total `energy`;
         /// `contact-force` of the other side, `grip`, the force with which both jaws of a tool squeeze it between
         /// them, `gap` to the other body, fraction of nodes `inside` what the body touches and the `depth` of the
-        /// deepest, `crossings` of edges of its surface and the other body's with triangles; number of `pieces` that
+        /// deepest, or of the deepest point of an edge or a face in a tool, `crossings` of edges of its surface and the other body's with triangles; number of `pieces` that
         /// the body has come apart into.
         quantity: Quantity,
         /// Of a displacement, centre, force, contact-force or gap, and only there.

@@ -213,6 +213,7 @@ impl SolverImplicit {
             source: &mut *step.source,
             slip_since,
             step_fraction,
+            most_searches: u32::MAX,
         });
         self.solver.solve(
             model,

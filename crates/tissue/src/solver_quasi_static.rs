@@ -4,6 +4,11 @@
 //! that does not converge the path is divided: with the forces f_0 left over at the start, f(x) = (1 − s) f_0 is solved by the
 //! start for s = 0, and prescribed nodes go the fraction s of their displacement; s is halved on failure and doubled on success.
 //!
+//! Newton's method finds contacts a few times and then retains their features and normals. An equilibrium with those may be none with the ones that its own positions
+//! have: a tool stands in the tissue, and step after step leads from one such state to the other and back. So it is solved again with the contacts of its
+//! solution until hardly anything moves ([`QuasiStaticOptions::consistent`]), a fixed-point iteration with Aitken's relaxation: as features and normals do not turn
+//! with the surface, it overshoots by more than the error where that stiffens the contact, as at an edge that lies along a tool.
+//!
 //! # Limitations
 //! No inertia, no drag, no viscosity: the length of the step changes nothing, and velocities are zero after it. A body that is
 //! not held has no solution ([`StepFailure::Singular`]). One that only contacts hold may still slide or roll: its nodes are tied to where
@@ -21,6 +26,7 @@ use crate::solver::{Solver, StepFailure, StepReport};
 use crate::state::{Control, NodeTarget, State};
 use microsim_contact_solver::{Components, ContactStep};
 use nalgebra::Vector3;
+use relaxation::Relaxation;
 use std::sync::Arc;
 
 /// Options of the quasi-static solver.
@@ -31,6 +37,13 @@ pub struct QuasiStaticOptions {
     /// Springs from the nodes of a component that contacts alone hold to where they were, over the stiffness of the node by itself; in
     /// 1e-6..1e-2. Larger values creep less and make forces wrong by as much.
     pub regularisation: f64,
+    /// How far nodes go at most when the equation is solved again with the contacts found at its solution \[mean edge length\]: enough, from which on
+    /// it is solved no more, and the most at which the step counts as converged; in 1e-6..1e-1, the first below the second. A smaller first one costs
+    /// solutions; tools are as deep in tissue as it is, and forces as wrong by that much of the depth to which they press.
+    pub consistent: [f64; 2],
+    /// How often it is solved again at most; at least 1. Where surfaces of two bodies lie on one another, features take turns for ever, and more than this
+    /// hardly brings them nearer. Measured.
+    pub rounds: u32,
 }
 
 impl Default for QuasiStaticOptions {
@@ -38,6 +51,8 @@ impl Default for QuasiStaticOptions {
         Self {
             shortest_part: 1.0 / 64.0,
             regularisation: 1e-4,
+            consistent: [1e-4, 1e-2],
+            rounds: 12,
         }
     }
 }
@@ -81,6 +96,17 @@ pub struct SolverQuasiStatic {
     ends: Vec<Vector3<f64>>,
     /// The last solution \[m\].
     solved: Vec<Vector3<f64>>,
+    /// Where a solution begins, and where its contacts are found \[m\].
+    guess: Vec<Vector3<f64>>,
+}
+
+/// What a step is made with.
+struct Step<'a> {
+    model: &'a TissueModel,
+    /// At its start.
+    state: &'a State,
+    control: &'a Control,
+    exec: &'a dyn Executor,
 }
 
 impl SolverQuasiStatic {
@@ -116,7 +142,8 @@ impl SolverQuasiStatic {
             held: vec![false; model.components().lowest.len()],
             start_forces: zeros.clone(),
             ends: zeros.clone(),
-            solved: zeros,
+            solved: zeros.clone(),
+            guess: zeros,
         }
     }
 
@@ -180,6 +207,74 @@ impl SolverQuasiStatic {
             self.ends[node] = start[node] + (self.prescribed.ends[node] - start[node]) * s;
         }
     }
+
+    /// Solves the equation at the fraction `s` of the step from `self.guess`, with contacts found so often at most; the solution is in
+    /// `self.solver.trial`.
+    fn solve(
+        &mut self,
+        step: &Step<'_>,
+        contact: Option<&mut ContactStep<'_>>,
+        s: f64,
+        most_searches: u32,
+    ) -> Result<StepReport, StepFailure> {
+        self.solver.solve(
+            step.model,
+            step.control,
+            &self.equation,
+            &self.prescribed.fixed,
+            &self.ends,
+            &[&self.guess],
+            contact.map(|contact| EquationContact {
+                source: &mut *contact.source,
+                slip_since: SlipReference::start(&step.state.positions),
+                step_fraction: s,
+                most_searches,
+            }),
+            &self.newton,
+            step.exec,
+        )
+    }
+
+    /// Solves the equation at the fraction `s` of the step, so that its contacts are those of the solution; which is in `self.solved`.
+    fn solve_consistently(
+        &mut self,
+        step: &Step<'_>,
+        mut contact: Option<&mut ContactStep<'_>>,
+        s: f64,
+    ) -> Result<StepReport, StepFailure> {
+        self.guess.clone_from(&self.solved);
+        let mut total = self.solve(step, contact.as_deref_mut(), s, u32::MAX)?;
+        // What need not converge is no equilibrium, of whatever contacts; without any there is none to find again.
+        if self.newton.must_converge && !self.solver.contacts().is_empty() {
+            self.guess.clone_from(&self.solver.trial.positions);
+            let [enough, most] = self.options.consistent;
+            let mut relaxation = Relaxation::default();
+            let mut change = f64::INFINITY;
+            for _ in 0..self.options.rounds {
+                let report = self.solve(step, contact.as_deref_mut(), s, 1)?;
+                total = followed_by(total, report);
+                change = relaxation.relax(&mut self.guess, &self.solver.trial.positions);
+                change /= step.model.mean_edge_length();
+                if change <= enough {
+                    break;
+                }
+            }
+            total.converged &= change <= most;
+        }
+        self.solved.copy_from_slice(&self.solver.trial.positions);
+        Ok(total)
+    }
+}
+
+/// The report of two solutions, one after the other: only the last one is what the step ends with.
+fn followed_by(first: StepReport, last: StepReport) -> StepReport {
+    StepReport {
+        iterations: first.iterations + last.iterations,
+        backtracks: first.backtracks + last.backtracks,
+        contact_failures: first.contact_failures + last.contact_failures,
+        work: first.work + last.work,
+        ..last
+    }
 }
 
 impl Solver for SolverQuasiStatic {
@@ -200,37 +295,20 @@ impl Solver for SolverQuasiStatic {
         self.regularise_loose_components(state, contact.as_deref_mut())?;
         self.solver.begin(state, false);
         self.solved.copy_from_slice(&state.positions);
+        let step = Step {
+            model,
+            state,
+            control,
+            exec,
+        };
         let mut total = StepReport::without_residual(0);
         let (mut done, mut part) = (0.0, 1.0f64);
         loop {
             let s = (done + part).min(1.0);
             self.set_fraction(&state.positions, s);
-            let result = self.solver.solve(
-                model,
-                control,
-                &self.equation,
-                &self.prescribed.fixed,
-                &self.ends,
-                &[&self.solved],
-                contact.as_deref_mut().map(|contact| EquationContact {
-                    source: &mut *contact.source,
-                    slip_since: SlipReference::start(&state.positions),
-                    step_fraction: s,
-                }),
-                &self.newton,
-                exec,
-            );
-            match result {
+            match self.solve_consistently(&step, contact.as_deref_mut(), s) {
                 Ok(report) => {
-                    // Only the last part is what the step ends with.
-                    total = StepReport {
-                        iterations: total.iterations + report.iterations,
-                        backtracks: total.backtracks + report.backtracks,
-                        contact_failures: total.contact_failures + report.contact_failures,
-                        work: total.work + report.work,
-                        ..report
-                    };
-                    self.solved.copy_from_slice(&self.solver.trial.positions);
+                    total = followed_by(total, report);
                     if s == 1.0 {
                         break;
                     }
@@ -297,5 +375,6 @@ impl Solver for SolverQuasiStatic {
     }
 }
 
+mod relaxation;
 #[cfg(test)]
 mod tests;

@@ -35,8 +35,8 @@ pub struct SimulateArgs {
     /// Write one JSON document with everything to this file, or, without FILE, alone to standard output
     ///
     /// Keys: scene, set, without, run, method, method_settings, dt, steps, simulated_s, cpu_s, threads, status, diverged, came_to_rest,
-    /// recoveries, most_substeps, stiffened, jumps, warnings, physics_digest, state_hash, bodies, series, contacts, crossings, cut, probes,
-    /// expectations
+    /// recoveries, most_substeps, unconverged, stiffened, jumps, warnings, physics_digest, state_hash, bodies, series, contacts, crossings, cut,
+    /// probes, expectations
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = utf8_path)]
     pub json: Option<PathBuf>,
     /// Write what the probes of the scene measured to this file: a row per sample, in SI

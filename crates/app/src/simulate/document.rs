@@ -73,6 +73,7 @@ pub fn document(file: &SceneFile, result: &Result) -> Value {
             "factor": recovery.factor,
         })).collect::<Vec<_>>(),
         "most_substeps": runner.remarks().most_substeps,
+        "unconverged": runner.remarks().unconverged,
         "stiffened": runner.remarks().stiffened.map(|stiffened| json!({
             "ticks": stiffened.ticks,
             "since": stiffened.since,

@@ -131,6 +131,13 @@ pub fn result(file: &SceneFile, cpu_s: f64) -> String {
             runner.recoveries().len()
         ));
     }
+    match runner.remarks().unconverged {
+        0 => {}
+        1 => lines.push("1 step ended above the tolerance of the method".to_owned()),
+        count => lines.push(format!(
+            "{count} steps ended above the tolerance of the method"
+        )),
+    }
     lines.extend(file.run_sentences());
     let mut rows = Vec::new();
     for (probe, values) in scene.probe.iter().zip(&runner.series().probes) {

@@ -38,7 +38,8 @@ impl NewtonSolver {
         let searches = match early {
             true => self.options.contact.early_searches,
             false => self.options.contact.searches,
-        };
+        }
+        .min(contact.most_searches);
         self.contacts.retains_multipliers = early && self.searches >= searches;
         if self.searches < searches {
             let found = &mut self.contacts.contacts;

@@ -28,6 +28,8 @@ pub(crate) struct EquationContact<'a> {
     pub slip_since: SlipReference<'a>,
     /// Where in the step the equation is.
     pub step_fraction: f64,
+    /// Contacts are found at most so often, however often the options allow.
+    pub most_searches: u32,
 }
 
 /// A time in a step, since which sliding counts.
