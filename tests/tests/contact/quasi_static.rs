@@ -1,12 +1,12 @@
-//! Quasi-static contact against implicit Euler's method at rest, and against the shapes of body and tool: cases of trials in which steps led from one wrong state to another.
+//! Quasi-static contact against implicit Euler's method at rest, and against the shapes of body and tool: cases of trials in which steps went from one wrong state to another.
 
 use microsim_tests::simulated::{probe, simulate};
 
 /// The mean edge of the block is 2.1 mm long. A hundredth of it is what may be left \[m\].
 const DEPTH: f64 = 0.01 * 2.1e-3;
 
-/// Implicit Euler's method on the same mesh, with viscosity, which has no part in the forces at rest: it finds contacts anew in steps that are much shorter than
-/// what it takes to come to rest, and shares with quasi-static steps the forces of elements, but not how an equilibrium is found.
+/// Implicit Euler's method on the same mesh, with viscosity, which has no part in the forces at rest: it finds contacts again in steps that are much shorter than
+/// what it takes to come to rest, and has in common with quasi-static steps the forces of elements, but not how an equilibrium is found.
 const WITH_INERTIA: [&str; 4] = [
     "method={name=\"implicit-euler\",iterations=10,must_converge=false}",
     "run.step=2ms",

@@ -5,11 +5,11 @@ use nalgebra::Vector3;
 /// The first factor. An iteration that overshoots by up to three times its error comes nearer with it.
 const FIRST: f64 = 0.5;
 
-/// Bounds of the factor: beyond them the last two changes say nothing.
+/// Bounds of the factor: beyond them the last two changes lie along no line.
 const FACTORS: [f64; 2] = [0.05, 2.0];
 
-/// Aitken's Δ² relaxation of a sequence of vectors (Küttler & Wall 2008, eq. 44): the factor with which the last two changes would have
-/// vanished, were all of them along one line.
+/// Aitken's Δ² relaxation of a sequence of vectors (Küttler & Wall 2008, eq. 44): the factor with which the last change would have
+/// vanished, were both along one line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Relaxation {
     factor: Option<f64>,
@@ -18,7 +18,7 @@ pub(super) struct Relaxation {
 }
 
 impl Relaxation {
-    /// Takes `guess` a part of the way to what the iteration has made of it \[m\]. Returns how far any node would have gone all the way \[m\].
+    /// Moves `guess` by a multiple of the change to what the iteration has made of it \[m\]. Returns the largest displacement of a node in the change itself \[m\].
     pub fn relax(&mut self, guess: &mut [Vector3<f64>], mapped: &[Vector3<f64>]) -> f64 {
         let change: Vec<Vector3<f64>> = mapped.iter().zip(&*guess).map(|(y, x)| y - x).collect();
         let factor = match self.factor {
@@ -67,8 +67,8 @@ mod tests {
         panic!("not within 60 rounds");
     }
 
-    /// The second factor is exact where all of the change lies along one line: the third round finds nothing to do, however far the iteration
-    /// overshoots.
+    /// The second factor is exact where all of the change lies along one line and it is within its bounds, as with rates from -19 to 0.5: the third round
+    /// finds nothing to do.
     #[test]
     fn one_mode_takes_three_rounds() {
         for rate in [-9.0, -3.0, 0.0, 0.4] {
