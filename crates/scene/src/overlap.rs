@@ -4,7 +4,7 @@ use crate::pairs::PairPartner;
 use crate::scene::Scene;
 use crate::view::BodyView;
 use microsim_geometry::{
-    Aabb, Capsule, closest_on_triangle, closest_segments, edge_through_triangle,
+    Aabb, Capsule, closest_on_triangle, closest_segment_triangle, edge_through_triangle,
     point_in_tetrahedron,
 };
 use nalgebra::Vector3;
@@ -152,17 +152,7 @@ fn depth_of_triangle(capsule: &Capsule, corners: &[Vector3<f64>; 3]) -> f64 {
     if !Aabb::of(corners).overlaps(&capsule.bounds()) {
         return 0.0;
     }
-    if edge_through_triangle(a, b, corners).is_some() {
-        return *radius;
-    }
-    let [p, q, r] = corners;
-    let of_edges = [(p, q), (q, r), (r, p)].map(|(from, to)| {
-        let closest = closest_segments(from, to, a, b);
-        (closest.first.point - closest.second.point).norm()
-    });
-    let of_ends = [a, b].map(|end| (closest_on_triangle(end, corners).point - end).norm());
-    let nearest = of_edges.into_iter().chain(of_ends);
-    (radius - nearest.fold(f64::INFINITY, f64::min)).max(0.0)
+    (radius - closest_segment_triangle(a, b, corners).distance()).max(0.0)
 }
 
 /// What is common to the boxes around two sets of points.

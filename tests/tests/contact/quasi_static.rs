@@ -19,6 +19,10 @@ fn run(scene: &str, set: &[&str]) -> [Vec<f64>; 2] {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/data/contact/");
     let set: Vec<String> = set.iter().map(|text| text.to_string()).collect();
     let document = simulate(&format!("{path}{scene}.toml"), &set).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(document["status"], "ok", "{scene}");
+    if set.is_empty() {
+        assert_eq!(document["unconverged"], 0, "{scene}");
+    }
     ["f", "depth"].map(|name| probe(&document, name))
 }
 

@@ -85,6 +85,8 @@ impl NewtonSolver {
             && self.contacts.multiplier_residual() <= tolerances.multipliers
             && !(0..fixed.len()).any(|node| fixed[node] && moved(node))
         {
+            report.force_residual = self.force_residual;
+            report.contact_residual = self.contacts.multiplier_residual();
             self.publish(&problem);
             return Ok(report);
         }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 /// The first factor. An iteration that overshoots by up to three times its error comes nearer with it.
 const FIRST: f64 = 0.5;
 
-/// Bounds of the factor: beyond them the last two changes lie along no line.
+/// Bounds of the factor. Where an iteration moves off faster and faster it would be negative: there is no limit nearby, and the lower bound goes on with it.
 const FACTORS: [f64; 2] = [0.05, 2.0];
 
 /// Aitken's Δ² relaxation of a sequence of vectors (Küttler & Wall 2008, eq. 44): the factor with which the last change would have
@@ -13,19 +13,29 @@ const FACTORS: [f64; 2] = [0.05, 2.0];
 #[derive(Clone, Debug, Default)]
 pub(super) struct Relaxation {
     factor: Option<f64>,
-    /// The change before \[m\].
+    /// The last change, and the one before it \[m\].
+    change: Vec<Vector3<f64>>,
     before: Vec<Vector3<f64>>,
 }
 
 impl Relaxation {
-    /// Moves `guess` by a multiple of the change to what the iteration has made of it \[m\]. Returns the largest displacement of a node in the change itself \[m\].
+    /// Begins a sequence.
+    pub fn begin(&mut self) {
+        self.factor = None;
+    }
+
+    /// Moves `guess` by a multiple of the change to what the iteration has made of it \[m\]. Returns the largest displacement of a node in the
+    /// change itself \[m\].
     pub fn relax(&mut self, guess: &mut [Vector3<f64>], mapped: &[Vector3<f64>]) -> f64 {
-        let change: Vec<Vector3<f64>> = mapped.iter().zip(&*guess).map(|(y, x)| y - x).collect();
+        std::mem::swap(&mut self.change, &mut self.before);
+        self.change.clear();
+        let changes = mapped.iter().zip(&*guess).map(|(y, x)| y - x);
+        self.change.extend(changes);
         let factor = match self.factor {
             None => FIRST,
             Some(factor) => {
                 let (mut along, mut square) = (0.0, 0.0);
-                for (now, before) in change.iter().zip(&self.before) {
+                for (now, before) in self.change.iter().zip(&self.before) {
                     let difference = now - before;
                     along += before.dot(&difference);
                     square += difference.norm_squared();
@@ -37,11 +47,12 @@ impl Relaxation {
                 }
             }
         };
-        for (x, change) in guess.iter_mut().zip(&change) {
+        self.factor = Some(factor);
+        let mut largest = 0.0f64;
+        for (x, change) in guess.iter_mut().zip(&self.change) {
             *x += change * factor;
+            largest = largest.max(change.norm_squared());
         }
-        let largest = change.iter().map(|c| c.norm_squared()).fold(0.0, f64::max);
-        (self.factor, self.before) = (Some(factor), change);
         largest.sqrt()
     }
 }
