@@ -278,7 +278,7 @@ impl SolverQuasiStatic {
             }
             if least > enough {
                 self.guess.clone_from(&self.best);
-                let report = self.solve(step, contact.as_deref_mut(), s, 1)?;
+                let report = self.solve(step, contact, s, 1)?;
                 total = followed_by(total, report);
             }
             total.contact_residual = total.contact_residual.max(least);
