@@ -40,7 +40,7 @@ pub struct Series {
     pub momentum: Vec<[f64; 3]>,
     /// Fraction of all nodes that are inside what their bodies touch ([`Overlap`](crate::Overlap)); empty without contact.
     pub inside_fraction: Vec<f64>,
-    /// Depth of the deepest of them \[m\]; empty without contact.
+    /// Depth of the deepest of them, or of the deepest point of an edge or a face in a tool \[m\]; empty without contact.
     pub max_depth: Vec<f64>,
     /// The forces between two that touch, in the order of the settings.
     pub contacts: Vec<ContactSeries>,

@@ -116,8 +116,8 @@ table! {
         /// of the body's `volume`, `smallest-volume` of an element relative to that at rest, total `energy`;
         /// `contact-force` of the other side, `grip`, the force with which both jaws of a tool squeeze it between
         /// them, `gap` to the other body, fraction of nodes `inside` what the body touches and the `depth` of the
-        /// deepest, or of the deepest point of an edge or a face in a tool, `crossings` of edges of its surface and the other body's with triangles; number of `pieces` that
-        /// the body has come apart into.
+        /// deepest, or of the deepest point of an edge or a face in a tool, `crossings` of edges of its surface and the
+        /// other body's with triangles; number of `pieces` that the body has come apart into.
         quantity: Quantity,
         /// Of a displacement, centre, force, contact-force or gap, and only there.
         direction: Option<[f64; 3]> = direction(),
@@ -157,7 +157,7 @@ terms! {
         Gap = "gap",
         /// Fraction of the nodes that are inside other bodies, tools and obstacles that the body touches.
         Inside = "inside",
-        /// Depth of the deepest of these.
+        /// Depth of the deepest of these, or of the deepest point of an edge or a face in a tool.
         Depth = "depth",
         /// Number of edges of the body's surface through triangles of another body's, and the reverse.
         Crossings = "crossings",

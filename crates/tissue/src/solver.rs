@@ -192,9 +192,11 @@ pub struct StepReport {
     /// The residual itself, a norm over all free nodes \[N\].
     pub force_residual: f64,
     /// Multiplier residual of the contacts, relative to the mean edge length: gaps below their floors, and forces across open ones; 0
-    /// for a method without multipliers.
+    /// for a method without multipliers. Of a quasi-static step that must converge at least how far nodes go when it is solved again with the
+    /// contacts of its solution.
     pub contact_residual: f64,
-    /// Whether residual and contact residual met the tolerances of the method; true for a method without any.
+    /// Whether residual and contact residual met the tolerances of the method; true for a method without any. A quasi-static step that must
+    /// converge fails by its residual alone: where its contacts are not those of its solution, this is false.
     pub converged: bool,
     /// Halvings of an iteration after which surfaces had turned too far.
     pub backtracks: u32,

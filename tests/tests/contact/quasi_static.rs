@@ -26,6 +26,14 @@ fn run(scene: &str, set: &[&str]) -> [Vec<f64>; 2] {
     ["f", "depth"].map(|name| probe(&document, name))
 }
 
+/// What the force may differ by from step to step, relative: a step ends where nodes move by less than 1e-4 of an edge, 0.21 µm of the 0.8 mm to which the rods
+/// press, or 3e-4 of a force that is about linear in the depth; a step before may have been as far off on the other side.
+const BETWEEN_STEPS: f64 = 1e-3;
+
+/// What it may differ by from the force with inertia, relative: that method leaves gaps of up to 1e-3 of an edge, 2.1 µm of 0.8 mm, 3e-3, and comes to rest
+/// within `BETWEEN_STEPS`; quasi-static steps have theirs. The trials ask for as much.
+const BETWEEN_METHODS: f64 = 0.01;
+
 #[track_caller]
 fn comes_to_rest(scene: &str, longer: &[&str]) {
     let [forces, depths] = run(scene, &[]);
@@ -35,7 +43,7 @@ fn comes_to_rest(scene: &str, longer: &[&str]) {
     // A tool that stands still is in the same equilibrium step after step.
     for force in &forces[forces.len() - 10..] {
         assert!(
-            (force / at_rest - 1.0).abs() < 1e-3,
+            (force / at_rest - 1.0).abs() < BETWEEN_STEPS,
             "{scene}: {force} N, then {at_rest} N"
         );
     }
@@ -44,11 +52,11 @@ fn comes_to_rest(scene: &str, longer: &[&str]) {
     let expected = with_inertia[with_inertia.len() - 1];
     let before = with_inertia[with_inertia.len() - 10];
     assert!(
-        (before / expected - 1.0).abs() < 1e-3,
+        (before / expected - 1.0).abs() < BETWEEN_STEPS,
         "{scene}: not at rest, {before} N and {expected} N"
     );
     assert!(
-        (at_rest / expected - 1.0).abs() < 0.01,
+        (at_rest / expected - 1.0).abs() < BETWEEN_METHODS,
         "{scene}: {at_rest} N, with inertia {expected} N"
     );
 }
@@ -61,4 +69,18 @@ fn a_rod_that_is_pressed_in_lengthwise_comes_to_rest() {
 #[test]
 fn a_rod_that_is_drawn_across_comes_to_rest() {
     comes_to_rest("drawn-rod", &["run.duration=0.6s"]);
+}
+
+/// The count that the other tests find zero does count.
+#[test]
+fn steps_above_the_tolerance_are_counted() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/data/contact/lying-rod.toml");
+    let single = "method={name=\"quasi-static\",iterations=1,must_converge=false}";
+    let document = simulate(path, &[single.to_owned()]).unwrap_or_else(|e| panic!("{e}"));
+    // One iteration from the state before does not solve a step in which the rod moves and presses, of which there are more than ten.
+    let (count, steps) = (&document["unconverged"], &document["steps"]);
+    assert!(
+        count.as_u64() >= Some(10) && count.as_u64() <= steps.as_u64(),
+        "{count} of {steps}"
+    );
 }

@@ -8,7 +8,7 @@ const FIRST: f64 = 0.5;
 /// Bounds of the factor. Where an iteration moves off faster and faster it would be negative: there is no limit nearby, and the lower bound goes on with it.
 const FACTORS: [f64; 2] = [0.05, 2.0];
 
-/// Aitken's Δ² relaxation of a sequence of vectors (Küttler & Wall 2008, eq. 44): the factor with which the last change would have
+/// Aitken's Δ² relaxation of a sequence of vectors (Küttler & Wall 2008): the factor with which the last change would have
 /// vanished, were both along one line.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Relaxation {
@@ -60,6 +60,7 @@ impl Relaxation {
 #[cfg(test)]
 mod tests {
     use super::Relaxation;
+    use crate::solver_quasi_static::QuasiStaticOptions;
     use nalgebra::Vector3;
 
     /// How often a linear iteration, whose error is multiplied by `rates` along the axes, is relaxed until the change is at most `enough`.
@@ -71,7 +72,8 @@ mod tests {
             let error = guess[0] - limit[0];
             let mapped = [limit[0] + error.component_mul(&Vector3::from(rates))];
             if relaxation.relax(&mut guess, &mapped) <= enough {
-                assert!((mapped[0] - limit[0]).norm() <= 4.0 * enough);
+                // The error after the iteration is r / (r - 1) of the change: of these rates at most all of it, to rounding.
+                assert!((mapped[0] - limit[0]).norm() <= 1.01 * enough);
                 return round;
             }
         }
@@ -87,10 +89,11 @@ mod tests {
         }
     }
 
-    /// Without relaxation this iteration would diverge by a factor of 3 in each round.
+    /// Without relaxation this iteration would diverge by a factor of 3 in each round. With it the rounds of the solver are enough for its tolerance.
     #[test]
     fn an_iteration_that_overshoots_converges() {
-        let taken = rounds([-3.0, 0.5, -0.2], 1e-9);
-        assert!(taken < 40, "{taken}");
+        let options = QuasiStaticOptions::default();
+        let taken = rounds([-3.0, 0.5, -0.2], options.consistent[0]);
+        assert!(taken <= options.rounds as usize, "{taken}");
     }
 }
